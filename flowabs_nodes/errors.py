@@ -1,0 +1,117 @@
+"""The one exception family. Each error says where it is, what was found, what was expected and the nearest right name."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from typing import Any
+
+
+class FlowabsError(Exception):
+    """Base of every error that flowabs raises on purpose.
+
+    Parameters
+    ----------
+    message
+        What was found and what was expected, in one sentence.
+    code
+        Stable machine-readable word, such as ``"read-failed"``; each subclass has its own default.
+    hint
+        What to try: usually the nearest right name.
+    file, frame, node, parameter
+        Where it happened, as far as it is known. A caller that knows more adds it with :meth:`at`.
+    """
+
+    code = "error"
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        code: str | None = None,
+        hint: str = "",
+        file: str | None = None,
+        frame: int | None = None,
+        node: str | None = None,
+        parameter: str | None = None,
+    ) -> None:
+        super().__init__(message)
+        self.message = message
+        if code is not None:
+            self.code = code
+        self.hint = hint
+        self.file = file
+        self.frame = frame
+        self.node = node
+        self.parameter = parameter
+
+    def at(self, *, file: str | None = None, frame: int | None = None, node: str | None = None) -> FlowabsError:
+        """Add the place where it is not known yet, and return the same error (``raise error.at(node="flow")``)."""
+        self.file = self.file if self.file is not None else file
+        self.frame = self.frame if self.frame is not None else frame
+        self.node = self.node if self.node is not None else node
+        return self
+
+    def __str__(self) -> str:
+        place = [
+            f"{self.file}" if self.file is not None else "",
+            f"frame {self.frame}" if self.frame is not None else "",
+            f"node {self.node}" if self.node is not None else "",
+            f"parameter {self.parameter}" if self.parameter is not None else "",
+        ]
+        text = ": ".join([*(part for part in place if part), self.message])
+        return f"{text} ({self.hint})" if self.hint else text
+
+    def to_dict(self) -> dict[str, Any]:
+        """The same as plain data, for ``--json``; keys without a value are left out."""
+        fields = {
+            "code": self.code,
+            "message": self.message,
+            "hint": self.hint or None,
+            "file": self.file,
+            "frame": self.frame,
+            "node": self.node,
+            "parameter": self.parameter,
+        }
+        return {key: value for key, value in fields.items() if value is not None}
+
+
+class ArgumentError(FlowabsError, ValueError):
+    """A function's argument breaks a rule: names the argument (``parameter``), the rule and the value."""
+
+    code = "bad-value"
+
+
+class ColorError(FlowabsError):
+    """A colour space is unknown, not usable here, or its OCIO config cannot be read."""
+
+    code = "bad-colorspace"
+
+
+class ReadError(FlowabsError):
+    """A picture cannot be read: missing, damaged, of another format, too large, or without the channels asked for."""
+
+    code = "read-failed"
+
+
+class WriteError(FlowabsError):
+    """A picture cannot be written whole; nothing is left at its final name."""
+
+    code = "write-failed"
+
+
+class CommandError(FlowabsError):
+    """The command, or a call of ``run``, asks for something that cannot be done at all (exit code 2)."""
+
+    code = "bad-command"
+
+
+def nearest(name: object, known: Iterable[str]) -> str:
+    """A hint for a name that is not known: the nearest right one, or all of them where none is near."""
+    names = sorted(set(known))
+    close = difflib.get_close_matches(str(name)[:200], names, 1)
+    if close:
+        return f"did you mean {close[0]!r}?"
+    if not names:
+        return ""
+    return "known: " + ", ".join(names)

@@ -1,0 +1,102 @@
+"""What every filter checks first: shapes, numbers, finite pixels, ranges. Errors name the argument, the rule, the value."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from flowabs_nodes.errors import ArgumentError, nearest
+
+Array = npt.NDArray[np.float32]
+
+
+def plane(name: str, value: npt.ArrayLike) -> Array:
+    """``value`` as a C-contiguous (H, W) float32 array of finite numbers."""
+    return _array(name, value, "(H, W)", lambda shape: len(shape) == 2)
+
+
+def planes(name: str, value: npt.ArrayLike) -> Array:
+    """``value`` as a C-contiguous (H, W, 3) float32 array of finite numbers."""
+    return _array(name, value, "(H, W, 3)", lambda shape: len(shape) == 3 and shape[2] == 3)
+
+
+def plane_or_planes(name: str, value: npt.ArrayLike) -> Array:
+    """``value`` as a C-contiguous (H, W) or (H, W, 3) float32 array of finite numbers."""
+    return _array(name, value, "(H, W) or (H, W, 3)", lambda shape: len(shape) == 2 or (len(shape) == 3 and shape[2] == 3))
+
+
+def any_channels(name: str, value: npt.ArrayLike) -> Array:
+    """``value`` as a C-contiguous (H, W) or (H, W, C) float32 array of finite numbers."""
+    return _array(name, value, "(H, W) or (H, W, C)", lambda shape: len(shape) in (2, 3))
+
+
+def flow_field(value: npt.ArrayLike, shape: tuple[int, ...] | None = None, name: str = "flow") -> Array:
+    """``value`` as a flow of (H, W, 2), x then y; ``shape`` is the picture it has to fit."""
+    flow = _array(name, value, "(H, W, 2)", lambda found: len(found) == 3 and found[2] == 2)
+    if shape is not None and flow.shape[:2] != shape[:2]:
+        raise ArgumentError(
+            f"{name}: expected the size of the picture, {shape[1]}x{shape[0]}, found {flow.shape[1]}x{flow.shape[0]}",
+            parameter=name,
+        )
+    return flow
+
+
+def number(
+    name: str,
+    value: Any,
+    *,
+    min: float | None = None,
+    max: float | None = None,
+    above: float | None = None,
+) -> float:
+    """``value`` as a finite float of at least ``min``, at most ``max``, greater than ``above``."""
+    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
+        raise ArgumentError(f"{name}: expected a number, found {value!r}", code="wrong-type", parameter=name)
+    result = float(value)
+    rules = []
+    if min is not None:
+        rules.append(f"at least {min:g}")
+    if above is not None:
+        rules.append(f"greater than {above:g}")
+    if max is not None:
+        rules.append(f"at most {max:g}")
+    broken = (min is not None and result < min) or (max is not None and result > max)
+    if not math.isfinite(result) or broken or (above is not None and result <= above):
+        rule = " and ".join(rules) or "finite"
+        raise ArgumentError(f"{name}: expected a number {rule}, found {value!r}", code="out-of-range", parameter=name)
+    return result
+
+
+def whole(name: str, value: Any, *, min: int | None = None, max: int | None = None) -> int:
+    """``value`` as an int in a range; 1.0 and True are not whole numbers here."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer):
+        raise ArgumentError(f"{name}: expected a whole number, found {value!r}", code="wrong-type", parameter=name)
+    return int(number(name, value, min=min, max=max))
+
+
+def choice(name: str, value: Any, choices: tuple[str, ...]) -> str:
+    """``value`` if it is one of ``choices``."""
+    if value not in choices:
+        raise ArgumentError(
+            f"{name}: expected one of {', '.join(map(repr, choices))}, found {value!r}",
+            hint=nearest(value, choices),
+            parameter=name,
+        )
+    return str(value)
+
+
+def _array(name: str, value: npt.ArrayLike, shapes: str, fits: Any) -> Array:
+    array = np.asarray(value)
+    if array.dtype.kind not in "fiub":
+        raise ArgumentError(f"{name}: expected real numbers, found dtype {array.dtype}", code="wrong-type", parameter=name)
+    if not fits(array.shape) or array.size == 0:
+        raise ArgumentError(f"{name}: expected shape {shapes} with at least one pixel, found {array.shape}", parameter=name)
+    result: Array = np.ascontiguousarray(array, np.float32)
+    # One pass that makes no copy: a sum of finite float32 numbers in float64 is finite.
+    if not math.isfinite(float(result.sum(dtype=np.float64))):
+        bad = int(result.size - np.isfinite(result).sum())
+        raise ArgumentError(f"{name}: expected finite pixels, found {bad} that are NaN or Inf", parameter=name)
+    return result
