@@ -122,8 +122,8 @@ class Param:
         nullable: bool = False,
         help: str,
     ) -> Param:
-        """A number. Unit "px" makes it a length, which scales with the plate; "/px" the reverse."""
-        scales = {"px": 1, "/px": -1}.get(unit, 0)
+        """A number. Unit "px" makes it a length, which scales with the plate; a unit per pixel ("…/px") the reverse."""
+        scales = 1 if unit == "px" else -1 if unit.endswith("/px") else 0
         return Param(name, "float", default, help, min, max, above, soft, unit, nullable=nullable, scales=scales)
 
     @staticmethod

@@ -1,0 +1,166 @@
+"""Nodes that make a flow, show it, and smooth along it."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from flowabs_nodes import filters
+from flowabs_nodes.image import Image
+from flowabs_nodes.nodes.declare import Context, Node, Param, Port
+from flowabs_nodes.nodes.shared import GROUND, SPACE, sampling
+
+
+def _reference_problem(value: Any) -> str | None:
+    """What is wrong with a gradient reference: it is "max", "p" and a percentile, or a number."""
+    expected = '"max", a percentile such as "p99.5", or a finite number of at least 0 (code values/px)'
+    if isinstance(value, str):
+        if value == "max":
+            return None
+        digits = value[1:].replace(".", "", 1)
+        fits = value.startswith("p") and digits.isascii() and digits.isdigit() and float(value[1:]) <= 100
+        return None if fits else expected
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    return None if number and math.isfinite(value) and value >= 0 else expected
+
+
+def run_etf(
+    context: Context,
+    image: Image,
+    *,
+    gradient_reference: str | float,
+    pre_blur: float,
+    color: bool,
+    ground: float,
+    space: str,
+    **etf: Any,
+) -> Image:
+    code = image.encoded(space, ground=ground) if color else image.encoded_mono(space, ground=ground)
+    reference = filters.measure_reference(code, gradient_reference, pre_blur=pre_blur)
+    if isinstance(gradient_reference, str):
+        context.note(f"gradient reference {gradient_reference} = {reference:.4g} code values/px")
+    flow = filters.etf(code, pre_blur=pre_blur, gradient_reference=reference, **etf)
+    return image.with_pixels(flow, "flow")
+
+
+ETF = Node(
+    type="etf",
+    version=1,
+    help="Edge tangent flow: a smooth field of directions along the picture's edges.",
+    doc=(
+        "Section 2 of the paper, eqs. 1-5. Each tangent becomes the mean of those around it, weighted towards strong "
+        "gradients and similar directions, so that weak edges turn to follow the strong ones beside them. All other "
+        "flow-based nodes follow what this one makes."
+    ),
+    inputs=(Port("image", "color", "The picture whose edges to follow."),),
+    outputs=(Port("flow", "flow", "Unit tangents, x right, y down; their sign has no meaning."),),
+    params=(
+        Param.float(
+            "radius", 5.0, min=0, max=500, soft=(2, 15), unit="px", help="Radius of the kernel (mu, eq. 2): larger is smoother."
+        ),
+        Param.int("iterations", 3, min=0, max=100, soft=(1, 5), help="How many times the field is smoothed (section 2.3)."),
+        Param.enum(
+            "kernel",
+            "full",
+            ("full", "separable"),
+            help="The exact disc, or a pass along x and one along y in each iteration (section 2.4).",
+        ),
+        Param.float(
+            "pre_blur",
+            0.0,
+            min=0,
+            max=200,
+            soft=(0, 4),
+            unit="px",
+            help="Gaussian blur of the picture before its gradient: against noise, and to join isolated points.",
+        ),
+        Param.custom(
+            "gradient_reference",
+            "max",
+            schema={
+                "anyOf": [
+                    {"type": "number", "minimum": 0},
+                    {"type": "string", "pattern": r"^(max|p(100(\.0*)?|[0-9]{1,2}(\.[0-9]*)?))$"},
+                ]
+            },
+            parse=_reference_problem,
+            scales=-1,
+            unit="code values/px",
+            help='Gradient that counts as full strength: "max" of the frame, a percentile such as "p99.5", '
+            "or a number, the same on every frame of a shot.",
+        ),
+        Param.float(
+            "fill",
+            0.0,
+            min=0,
+            max=1000,
+            soft=(0, 8),
+            unit="code values/px",
+            nullable=True,
+            help="Where the gradient is weaker than this, the direction leans on its surroundings; "
+            "0 fills just what has no gradient at all, null leaves holes (the paper to the letter).",
+        ),
+        Param.bool("color", False, help="Follow edges of lightness and colour together; false is lightness alone (the paper)."),
+        GROUND,
+        SPACE,
+    ),
+    run=run_etf,
+)
+
+
+def run_lic(context: Context, flow: Image, *, length: float, seed: int, contrast: float) -> Image:
+    return flow.with_pixels(filters.lic(flow.pixels, length=length, seed=seed, contrast=contrast), "mono")
+
+
+LIC = Node(
+    type="lic",
+    version=1,
+    help="Line integral convolution: shows a flow as streaks of noise.",
+    doc="How the paper shows its flows (Fig. 3): white noise, averaged along the flow by round(length / 2) steps each way.",
+    inputs=(Port("flow", "flow", "The flow to show."),),
+    outputs=(Port("image", "mono", "Streaks along the flow, 0 to 1 around 0.5."),),
+    params=(
+        Param.float("length", 20.0, min=0, max=2000, soft=(4, 60), unit="px", help="Length of a streak."),
+        Param.int("seed", 1, min=0, max=2**31 - 1, soft=(0, 100), help="Which noise; the same seed gives the same noise."),
+        Param.float("contrast", 1.0, min=0, max=100, soft=(0.2, 3), help="Spread of the greys about 0.5."),
+    ),
+    run=run_lic,
+)
+
+
+def run_flow_color(context: Context, flow: Image) -> Image:
+    return flow.with_pixels(filters.flow_color(flow.pixels), "color")
+
+
+FLOW_COLOR = Node(
+    type="flow_color",
+    version=1,
+    help="Shows a flow's orientation as colour.",
+    doc="As in the paper's Fig. 5: each orientation has its own RGB, each component 0 to 1; opposite tangents look the same.",
+    inputs=(Port("flow", "flow", "The flow to show."),),
+    outputs=(Port("image", "color", "Orientation as RGB; grey where the flow is zero."),),
+    params=(),
+    run=run_flow_color,
+)
+
+
+def run_flow_blur(context: Context, image: Image, flow: Image, *, sigma: float, sampling: str) -> Image:
+    return image.with_pixels(filters.flow_blur(image.pixels, flow.pixels, sigma=sigma, sampling=sampling))
+
+
+FLOW_BLUR = Node(
+    type="flow_blur",
+    version=1,
+    help="Gaussian blur along the flow: smooths edges lengthwise and leaves them sharp across.",
+    doc="On lines it is anti-aliasing along the stroke. Works on premultiplied RGBA.",
+    inputs=(
+        Port("image", "color|mono|matte", "What to blur."),
+        Port("flow", "flow", "The flow to blur along."),
+    ),
+    outputs=(Port("image", "=image", "The blurred image."),),
+    params=(
+        Param.float("sigma", 2.0, min=0, max=500, soft=(0, 10), unit="px", help="Standard deviation along the flow."),
+        sampling("bilinear"),
+    ),
+    run=run_flow_blur,
+)

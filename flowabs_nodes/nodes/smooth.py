@@ -1,0 +1,74 @@
+"""Nodes that smooth regions: the flow-based bilateral filter and the plain blur."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from flowabs_nodes import filters
+from flowabs_nodes.image import Image
+from flowabs_nodes.nodes.declare import Context, Node, Param, Port
+from flowabs_nodes.nodes.shared import SPACE, sampling
+
+
+def run_fbl(context: Context, image: Image, flow: Image, *, space: str, **fbl: Any) -> Image:
+    return image.with_codes(filters.fbl(image.encoded(space), flow.pixels, alpha=image.alpha, **fbl), space)
+
+
+FBL = Node(
+    type="fbl",
+    version=1,
+    help="Flow-based bilateral filter: flattens regions and cleans up the edges between them.",
+    doc=(
+        "Section 4.1, eqs. 12-14: in each iteration a bilateral filter along the flow, then one across it. Along the flow "
+        "it repairs and smooths boundaries, across it it flattens regions."
+    ),
+    inputs=(
+        Port("image", "color", "The picture to smooth."),
+        Port("flow", "flow", "The flow that its edges follow."),
+    ),
+    outputs=(Port("image", "color", "The smoothed picture."),),
+    params=(
+        Param.float("sigma_e", 2.0, min=0, max=200, soft=(0, 10), unit="px", help="Gaussian along the flow; 0 leaves it out."),
+        Param.float(
+            "r_e",
+            10.0,
+            min=0,
+            max=1e6,
+            above=True,
+            soft=(1, 100),
+            unit="code values",
+            help="Difference of colour that still counts as alike along the flow: higher loses more small edges.",
+        ),
+        Param.float("sigma_g", 0.5, min=0, max=200, soft=(0, 5), unit="px", help="Gaussian across the flow; 0 leaves it out."),
+        Param.float(
+            "r_g",
+            10.0,
+            min=0,
+            max=1e6,
+            above=True,
+            soft=(1, 100),
+            unit="code values",
+            help="Difference of colour that still counts as alike across the flow.",
+        ),
+        Param.int("iterations", 5, min=0, max=100, soft=(1, 10), help="How many times both passes run."),
+        sampling("nearest"),
+        SPACE,
+    ),
+    run=run_fbl,
+)
+
+
+def run_blur(context: Context, image: Image, *, sigma: float) -> Image:
+    return image.with_pixels(filters.blur(image.pixels, sigma=sigma))
+
+
+BLUR = Node(
+    type="blur",
+    version=1,
+    help="Gaussian blur.",
+    doc="Works on premultiplied RGBA; the border is repeated.",
+    inputs=(Port("image", "color|mono|matte", "What to blur."),),
+    outputs=(Port("image", "=image", "The blurred image."),),
+    params=(Param.float("sigma", 1.0, min=0, max=500, soft=(0, 20), unit="px", help="Standard deviation; 0 changes nothing."),),
+    run=run_blur,
+)

@@ -1,0 +1,66 @@
+"""Nodes that change tone: exposure, and flattening to a few levels of lightness."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flowabs_nodes import color, filters
+from flowabs_nodes.image import Array, Image
+from flowabs_nodes.nodes.declare import Context, Node, Param, Port
+
+
+def _gained(image: Image, gain: Array | np.float32) -> Image:
+    """RGB times a gain; alpha as it was."""
+    pixels = image.pixels.copy()
+    pixels[..., :3] *= gain
+    return image.with_pixels(pixels)
+
+
+def run_exposure(context: Context, image: Image, *, stops: float) -> Image:
+    return _gained(image, np.float32(2.0**stops))
+
+
+EXPOSURE = Node(
+    type="exposure",
+    version=1,
+    help="Brightens or darkens by stops, in scene-linear light.",
+    inputs=(Port("image", "color", "The picture."),),
+    outputs=(Port("image", "color", "The picture times 2^stops; alpha as it was."),),
+    params=(Param.float("stops", 0.0, min=-30, max=30, soft=(-5, 5), unit="stops", help="+1 doubles the light, -1 halves it."),),
+    run=run_exposure,
+)
+
+
+def run_quantize(context: Context, image: Image, *, levels: int, softness: float) -> Image:
+    lstar = image.encoded_mono("lab") / np.float32(2.55)
+    target = color.lstar_inverse(filters.quantize(lstar, levels=levels, softness=softness))
+    gain = target / color.lstar_inverse(np.maximum(lstar, np.float32(1)))  # at most Y(Q) / Y(L* = 1)
+    if image.alpha is not None:
+        gain[image.alpha == 0] = 1  # what is not there stays as it is
+    return _gained(image, gain[..., None])
+
+
+QUANTIZE = Node(
+    type="quantize",
+    version=1,
+    help="Flattens lightness to a few levels, like poster paint.",
+    doc=(
+        "The paper's region flattening (section 4.1): L* falls into bins of equal size. Done as a gain on scene-linear RGB, so "
+        "that hue stays and no negative value is made; bins go on above white."
+    ),
+    inputs=(Port("image", "color", "The picture, usually smoothed by fbl."),),
+    outputs=(Port("image", "color", "The flattened picture."),),
+    params=(
+        Param.int("levels", 8, min=1, max=1000, soft=(4, 16), help="Bins between black and white; the paper uses 4 to 10."),
+        Param.float(
+            "softness",
+            0.0,
+            min=0,
+            max=1,
+            soft=(0, 1),
+            unit="bins",
+            help="Width of the step from one level to the next: 0 is hard, 1 a smooth ramp.",
+        ),
+    ),
+    run=run_quantize,
+)
