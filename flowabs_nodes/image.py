@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple, cast
+from typing import Any, Literal, NamedTuple, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -11,9 +11,11 @@ import OpenImageIO as oiio
 
 from flowabs_nodes import color
 from flowabs_nodes.errors import ArgumentError, nearest
-from flowabs_nodes.nodes.declare import PORT_TYPES, PortType
 
 Array = npt.NDArray[np.float32]
+
+PortType = Literal["color", "mono", "matte", "flow", "data"]
+PORT_TYPES: tuple[PortType, ...] = ("color", "mono", "matte", "flow", "data")
 
 #: Channel names of each port type; ``data`` has any.
 CHANNELS: dict[str, tuple[tuple[str, ...], ...]] = {
@@ -192,7 +194,9 @@ class Image:
 
     # ------------------------------------------------------------------ one image from another
 
-    def with_pixels(self, pixels: Array, type: PortType | None = None, channels: tuple[str, ...] | None = None) -> Image:
+    def with_pixels(
+        self, pixels: Array, type: PortType | None = None, channels: tuple[str, ...] | None = None
+    ) -> Image:
         """New pixels on the same windows with the same metadata; ``type`` as this image's unless given.
 
         Channel names follow from the type and the number of channels; ``data`` keeps its own or takes ``channels``.
@@ -244,7 +248,9 @@ class Image:
         x0, x1 = max(x, window.x), min(x + width, window.x + window.width)
         y0, y1 = max(y, window.y), min(y + height, window.y + window.height)
         if x0 < x1 and y0 < y1:
-            pixels[y0 - window.y : y1 - window.y, x0 - window.x : x1 - window.x] = self.pixels[y0 - y : y1 - y, x0 - x : x1 - x]
+            pixels[y0 - window.y : y1 - window.y, x0 - window.x : x1 - window.x] = self.pixels[
+                y0 - y : y1 - y, x0 - x : x1 - x
+            ]
         spec = self.spec
         spec.x, spec.y, spec.width, spec.height = window
         return Image(pixels, spec, self.type, colorspace=self.colorspace, origin=self.origin)

@@ -25,7 +25,9 @@ def planes(name: str, value: npt.ArrayLike) -> Array:
 
 def plane_or_planes(name: str, value: npt.ArrayLike) -> Array:
     """``value`` as a C-contiguous (H, W) or (H, W, 3) float32 array of finite numbers."""
-    return _array(name, value, "(H, W) or (H, W, 3)", lambda shape: len(shape) == 2 or (len(shape) == 3 and shape[2] == 3))
+    return _array(
+        name, value, "(H, W) or (H, W, 3)", lambda shape: len(shape) == 2 or (len(shape) == 3 and shape[2] == 3)
+    )
 
 
 def any_channels(name: str, value: npt.ArrayLike) -> Array:
@@ -91,9 +93,13 @@ def choice(name: str, value: Any, choices: tuple[str, ...]) -> str:
 def _array(name: str, value: npt.ArrayLike, shapes: str, fits: Any) -> Array:
     array = np.asarray(value)
     if array.dtype.kind not in "fiub":
-        raise ArgumentError(f"{name}: expected real numbers, found dtype {array.dtype}", code="wrong-type", parameter=name)
+        raise ArgumentError(
+            f"{name}: expected real numbers, found dtype {array.dtype}", code="wrong-type", parameter=name
+        )
     if not fits(array.shape) or array.size == 0:
-        raise ArgumentError(f"{name}: expected shape {shapes} with at least one pixel, found {array.shape}", parameter=name)
+        raise ArgumentError(
+            f"{name}: expected shape {shapes} with at least one pixel, found {array.shape}", parameter=name
+        )
     result: Array = np.ascontiguousarray(array, np.float32)
     # One pass that makes no copy: a sum of finite float32 numbers in float64 is finite.
     if not math.isfinite(float(result.sum(dtype=np.float64))):

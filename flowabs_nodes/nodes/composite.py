@@ -57,7 +57,12 @@ COMPOSITE = Node(
     params=(
         Param.color("ink", (0.0, 0.0, 0.0), help="Colour of the ink, scene-linear."),
         Param.float("opacity", 1.0, min=0, max=1, soft=(0, 1), help="How much the ink covers."),
-        Param.enum("space", "linear", ("linear", "lab", "acescct"), help="Where ink and picture mix: in light, or in code values."),
+        Param.enum(
+            "space",
+            "linear",
+            ("linear", "lab", "acescct"),
+            help="Where ink and picture mix: in light, or in code values.",
+        ),
     ),
     run=run_composite,
 )

@@ -28,15 +28,10 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 from flowabs_nodes.errors import ArgumentError, nearest
-
-if TYPE_CHECKING:
-    from flowabs_nodes.image import Image
-
-PortType = Literal["color", "mono", "matte", "flow", "data"]
-PORT_TYPES: tuple[PortType, ...] = ("color", "mono", "matte", "flow", "data")
+from flowabs_nodes.image import PORT_TYPES, Image
 
 #: What may go where: a matte may go where a mono is asked for, and either where a color is. Nothing else converts.
 WIDENS_TO: Mapping[str, frozenset[str]] = {

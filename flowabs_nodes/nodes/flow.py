@@ -56,9 +56,17 @@ ETF = Node(
     outputs=(Port("flow", "flow", "Unit tangents, x right, y down; their sign has no meaning."),),
     params=(
         Param.float(
-            "radius", 5.0, min=0, max=500, soft=(2, 15), unit="px", help="Radius of the kernel (mu, eq. 2): larger is smoother."
+            "radius",
+            5.0,
+            min=0,
+            max=500,
+            soft=(2, 15),
+            unit="px",
+            help="Radius of the kernel (mu, eq. 2): larger is smoother.",
         ),
-        Param.int("iterations", 3, min=0, max=100, soft=(1, 5), help="How many times the field is smoothed (section 2.3)."),
+        Param.int(
+            "iterations", 3, min=0, max=100, soft=(1, 5), help="How many times the field is smoothed (section 2.3)."
+        ),
         Param.enum(
             "kernel",
             "full",
@@ -100,7 +108,9 @@ ETF = Node(
             help="Where the gradient is weaker than this, the direction leans on its surroundings; "
             "0 fills just what has no gradient at all, null leaves holes (the paper to the letter).",
         ),
-        Param.bool("color", False, help="Follow edges of lightness and colour together; false is lightness alone (the paper)."),
+        Param.bool(
+            "color", False, help="Follow edges of lightness and colour together; false is lightness alone (the paper)."
+        ),
         GROUND,
         SPACE,
     ),
@@ -121,7 +131,9 @@ LIC = Node(
     outputs=(Port("image", "mono", "Streaks along the flow, 0 to 1 around 0.5."),),
     params=(
         Param.float("length", 20.0, min=0, max=2000, soft=(4, 60), unit="px", help="Length of a streak."),
-        Param.int("seed", 1, min=0, max=2**31 - 1, soft=(0, 100), help="Which noise; the same seed gives the same noise."),
+        Param.int(
+            "seed", 1, min=0, max=2**31 - 1, soft=(0, 100), help="Which noise; the same seed gives the same noise."
+        ),
         Param.float("contrast", 1.0, min=0, max=100, soft=(0.2, 3), help="Spread of the greys about 0.5."),
     ),
     run=run_lic,

@@ -14,13 +14,22 @@ from flowabs_nodes.nodes.shared import GROUND, SPACE, sampling
 IMAGE = Port("image", "color", "The picture to draw.")
 FLOW = Port("flow", "flow", "The flow that lines follow.")
 LINES = Port("lines", "matte", "The drawing: 1 is paper, 0 is ink.")
-RESPONSE = Port("response", "mono", "The filter's response H before the threshold, in code values; ink is where it is low.")
+RESPONSE = Port(
+    "response", "mono", "The filter's response H before the threshold, in code values; ink is where it is low."
+)
 
 #: The difference of Gaussians, eq. 8.
 DIFFERENCE = (
-    Param.float("sigma_c", 1.0, min=0.05, max=200, soft=(0.3, 4), unit="px", help="Centre Gaussian: sets the width of the line."),
     Param.float(
-        "rho", 0.99, min=0, max=2, soft=(0.9, 1), help="Weight of the surround: more lines, and more noise, the nearer to 1."
+        "sigma_c", 1.0, min=0.05, max=200, soft=(0.3, 4), unit="px", help="Centre Gaussian: sets the width of the line."
+    ),
+    Param.float(
+        "rho",
+        0.99,
+        min=0,
+        max=2,
+        soft=(0.9, 1),
+        help="Weight of the surround: more lines, and more noise, the nearer to 1.",
     ),
 )
 
@@ -202,7 +211,13 @@ FDOG_ITERATIVE = Node(
     params=(
         Param.int("iterations", 3, min=1, max=100, soft=(1, 5), help="How many passes."),
         Param.float(
-            "pre_blur", 0.0, min=0, max=200, soft=(0, 3), unit="px", help="Gaussian blur of the picture before each pass."
+            "pre_blur",
+            0.0,
+            min=0,
+            max=200,
+            soft=(0, 3),
+            unit="px",
+            help="Gaussian blur of the picture before each pass.",
         ),
         SIGMA_M,
         *DIFFERENCE,

@@ -28,7 +28,9 @@ FBL = Node(
     ),
     outputs=(Port("image", "color", "The smoothed picture."),),
     params=(
-        Param.float("sigma_e", 2.0, min=0, max=200, soft=(0, 10), unit="px", help="Gaussian along the flow; 0 leaves it out."),
+        Param.float(
+            "sigma_e", 2.0, min=0, max=200, soft=(0, 10), unit="px", help="Gaussian along the flow; 0 leaves it out."
+        ),
         Param.float(
             "r_e",
             10.0,
@@ -39,7 +41,9 @@ FBL = Node(
             unit="code values",
             help="Difference of colour that still counts as alike along the flow: higher loses more small edges.",
         ),
-        Param.float("sigma_g", 0.5, min=0, max=200, soft=(0, 5), unit="px", help="Gaussian across the flow; 0 leaves it out."),
+        Param.float(
+            "sigma_g", 0.5, min=0, max=200, soft=(0, 5), unit="px", help="Gaussian across the flow; 0 leaves it out."
+        ),
         Param.float(
             "r_g",
             10.0,
@@ -69,6 +73,10 @@ BLUR = Node(
     doc="Works on premultiplied RGBA; the border is repeated.",
     inputs=(Port("image", "color|mono|matte", "What to blur."),),
     outputs=(Port("image", "=image", "The blurred image."),),
-    params=(Param.float("sigma", 1.0, min=0, max=500, soft=(0, 20), unit="px", help="Standard deviation; 0 changes nothing."),),
+    params=(
+        Param.float(
+            "sigma", 1.0, min=0, max=500, soft=(0, 20), unit="px", help="Standard deviation; 0 changes nothing."
+        ),
+    ),
     run=run_blur,
 )

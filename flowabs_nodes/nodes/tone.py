@@ -26,7 +26,11 @@ EXPOSURE = Node(
     help="Brightens or darkens by stops, in scene-linear light.",
     inputs=(Port("image", "color", "The picture."),),
     outputs=(Port("image", "color", "The picture times 2^stops; alpha as it was."),),
-    params=(Param.float("stops", 0.0, min=-30, max=30, soft=(-5, 5), unit="stops", help="+1 doubles the light, -1 halves it."),),
+    params=(
+        Param.float(
+            "stops", 0.0, min=-30, max=30, soft=(-5, 5), unit="stops", help="+1 doubles the light, -1 halves it."
+        ),
+    ),
     run=run_exposure,
 )
 
@@ -51,7 +55,9 @@ QUANTIZE = Node(
     inputs=(Port("image", "color", "The picture, usually smoothed by fbl."),),
     outputs=(Port("image", "color", "The flattened picture."),),
     params=(
-        Param.int("levels", 8, min=1, max=1000, soft=(4, 16), help="Bins between black and white; the paper uses 4 to 10."),
+        Param.int(
+            "levels", 8, min=1, max=1000, soft=(4, 16), help="Bins between black and white; the paper uses 4 to 10."
+        ),
         Param.float(
             "softness",
             0.0,
