@@ -1,4 +1,4 @@
-"""The one exception family. Each error says where it is, what was found, what was expected and the nearest right name."""
+"""The one exception family. Each error says where, what was found, what was expected, the nearest right name."""
 
 from __future__ import annotations
 

@@ -52,15 +52,15 @@ class Image:
     type
         Port type: "color", "mono", "matte", "flow" or "data".
     spec
-        OpenImageIO's ImageSpec: channel names, data window, display window, metadata, and as ``format`` the data type of
-        the file it came from. A copy is handed out; the image's own does not change.
+        OpenImageIO's ImageSpec: channel names, data window, display window, metadata, and as ``format`` the data
+        type of the file it came from. A copy is handed out: the image's own never changes.
     colorspace
         The scene-linear space of a color image's RGB.
     origin
         The file the plate came from, if it came from one.
 
-    ``pixels`` is (H, W, C) float32: scene-linear premultiplied for color, as they are for all else. :meth:`encoded` gives
-    code values, made once and shared by everything that asks for the same.
+    ``pixels`` is (H, W, C) float32: scene-linear premultiplied for color, as they are for all else.
+    :meth:`encoded` gives code values, made once and shared by everything that asks for the same.
     """
 
     def __init__(
@@ -151,7 +151,7 @@ class Image:
         return None if self._opaque else self._alpha
 
     def encoded(self, space: str = "lab", *, ground: float | None = None) -> Array:
-        """(H, W, 3) float32 code values of a color image (DESIGN 4.1, 4.3).
+        """(H, W, 3) float32 code values of a color image.
 
         Without ``ground``: of rgb / A, what smoothing nodes work on (where A = 0, of black). With it: of
         rgb + (1 - A) ground, what looking nodes see. The same array when the image is opaque.
@@ -297,8 +297,9 @@ class Image:
     ) -> Image:
         """From an OpenImageIO ImageBuf, with its windows and metadata; channels are found by name.
 
-        With ``type`` None nothing is lost: exactly R, G, B[, A] make a color image, flow.x, flow.y a flow, Y a mono, and
-        anything else data with every channel. A ``type`` takes just its own channels of ``layer`` ("" = the plain names).
+        With ``type`` None nothing is lost: exactly R, G, B[, A] make a color image, flow.x, flow.y a flow, Y a
+        mono, and anything else data with every channel. A ``type`` takes just its own channels of ``layer``
+        ("" = the plain names).
         ``colorspace`` "auto" asks the metadata (:func:`flowabs_nodes.color.detect`).
         """
         spec = buf.spec()

@@ -1,4 +1,4 @@
-"""What every filter checks first: shapes, numbers, finite pixels, ranges. Errors name the argument, the rule, the value."""
+"""What every filter checks first. Each error names the argument, the rule and the value."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Gaussians as every filter samples them: cut at ceil(3 sigma), taken at whole steps, normalised to sum 1 (DESIGN 4.7)."""
+"""Gaussians as every filter samples them: cut at ceil(3 sigma), taken at whole steps, normalised to sum 1."""
 
 from __future__ import annotations
 

@@ -43,8 +43,8 @@ COMPOSITE = Node(
     version=1,
     help="Lays lines over a picture in any ink.",
     doc=(
-        "With k = (1 - lines) x opacity: rgb (1 - k) + ink A k, alpha as it was. In linear light, bright highlights eat ink "
-        "that is not fully opaque; space lab or acescct mixes in code values instead, as the eye sees it."
+        "With k = (1 - lines) x opacity: rgb (1 - k) + ink A k, alpha as it was. In linear light, highlights eat "
+        "ink that is not fully opaque; space lab or acescct mixes in code values instead, as the eye sees it."
     ),
     inputs=(
         Port("image", "color", "The picture, usually flattened."),

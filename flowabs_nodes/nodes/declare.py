@@ -16,8 +16,8 @@ and names the function that does the work::
         run=run_lic,
     )
 
-``run(context, **inputs, **parameters)`` gets each connected input as an :class:`~flowabs_nodes.image.Image` (an optional
-input that is not connected as ``None``) and each parameter by name, and returns one Image (the first output) or a dict
+``run(context, **inputs, **parameters)`` gets each connected input as an :class:`~flowabs_nodes.image.Image` (an
+optional input that is not connected as ``None``) and each parameter by name, and returns one Image (the first output) or a dict
 from output name to Image. It must not change its inputs.
 """
 
@@ -287,8 +287,8 @@ MIX = Param.float("mix", 1.0, min=0.0, max=1.0, soft=(0, 1), help="How much of t
 class Node:
     """A declaration. ``type`` and ``version`` together are what a graph writes as ``type@version``.
 
-    A node whose first output is of the type of its input ``image`` also takes ``mask`` and ``mix``; the engine blends, so
-    ``run`` never sees them. ``extra_inputs`` is a port that further inputs of any name are of (``write``'s layers).
+    A node whose first output is of the type of its input ``image`` also takes ``mask`` and ``mix``; the engine blends,
+    so ``run`` never sees them. ``extra_inputs`` is a port that further inputs of any name are of (``write``'s layers).
     ``upgrades`` maps an older version to a function from that version's parameters to the next one's.
     """
 

@@ -60,7 +60,7 @@ THRESHOLD = (
         max=1000,
         soft=(0, 10),
         unit="code values",
-        help="Width of the ramp from ink to paper: anti-aliased and steadier in motion. 0 is black and white (the paper).",
+        help="Width of the ramp from ink to paper: anti-aliased, steadier in motion. 0 is black and white (the paper).",
     ),
 )
 
@@ -137,7 +137,7 @@ DOG = Node(
     type="dog",
     version=1,
     help="Lines by isotropic difference of Gaussians: what FDoG is compared with.",
-    doc="Winnemoeller's edge model [38], which follows no flow. Response as in eq. 8 in two dimensions, lines by eq. 9.",
+    doc="Winnemoeller's edge model [38], which follows no flow. Response: eq. 8 in two dimensions; lines: eq. 9.",
     inputs=(IMAGE,),
     outputs=(LINES, RESPONSE),
     params=(*DIFFERENCE, *THRESHOLD, GROUND, SPACE),
@@ -171,8 +171,8 @@ FDOG = Node(
     version=1,
     help="Lines by flow-based difference of Gaussians.",
     doc=(
-        "Section 3.1, eqs. 6-11: a difference of Gaussians across the flow, gathered along it, so that true edges add up "
-        "and noise does not. With rho = 1 and a contrast, the amount of line does not depend on brightness."
+        "Section 3.1, eqs. 6-11: a difference of Gaussians across the flow, gathered along it, so that true edges add "
+        "up and noise does not. With rho = 1 and a contrast, the amount of line does not depend on brightness."
     ),
     inputs=(IMAGE, FLOW),
     outputs=(LINES, RESPONSE),

@@ -19,8 +19,8 @@ FBL = Node(
     version=1,
     help="Flow-based bilateral filter: flattens regions and cleans up the edges between them.",
     doc=(
-        "Section 4.1, eqs. 12-14: in each iteration a bilateral filter along the flow, then one across it. Along the flow "
-        "it repairs and smooths boundaries, across it it flattens regions."
+        "Section 4.1, eqs. 12-14: in each iteration a bilateral filter along the flow, then one across it. Along the "
+        "flow it repairs and smooths boundaries, across it it flattens regions."
     ),
     inputs=(
         Port("image", "color", "The picture to smooth."),
