@@ -17,8 +17,8 @@ and names the function that does the work::
     )
 
 ``run(context, **inputs, **parameters)`` gets each connected input as an :class:`~flowabs_nodes.image.Image` (an
-optional input that is not connected as ``None``) and each parameter by name, and returns one Image (the first output) or a dict
-from output name to Image. It must not change its inputs.
+optional input that is not connected as ``None``) and each parameter by name, and returns one Image (the first
+output) or a dict from output name to Image. It must not change its inputs.
 """
 
 from __future__ import annotations

@@ -49,7 +49,7 @@ QUANTIZE = Node(
     version=1,
     help="Flattens lightness to a few levels, like poster paint.",
     doc=(
-        "The paper's region flattening (section 4.1): L* falls into bins of equal size. Done as a gain on scene-linear RGB, "
+        "The paper's region flattening (section 4.1): L* falls into bins of equal size. A gain on scene-linear RGB, "
         "so that hue stays and no negative value is made; bins go on above white."
     ),
     inputs=(Port("image", "color", "The picture, usually smoothed by fbl."),),
