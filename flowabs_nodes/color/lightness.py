@@ -1,4 +1,4 @@
-"""Luminance Y and CIE lightness L*, on arrays."""
+"""Luminance Y and CIE lightness L*, on arrays (numpy only)."""
 
 from __future__ import annotations
 
@@ -7,23 +7,37 @@ import numpy.typing as npt
 
 from flowabs_nodes.color.constants import LAB_EPSILON, LAB_KAPPA
 from flowabs_nodes.color.spaces import ColorSpace, normalised, space
+from flowabs_nodes.errors import ArgumentError
 
 Array = npt.NDArray[np.float32]
 
+_EPSILON, _KAPPA = np.float32(LAB_EPSILON), np.float32(LAB_KAPPA)
+
 
 def luminance(rgb: npt.ArrayLike, colorspace: ColorSpace | str = "lin_rec709") -> Array:
-    """(H, W, 3) scene-linear RGB to (H, W) luminance; Y of white is 1."""
-    weights = normalised(space(colorspace))[1].astype(np.float32)
-    return np.asarray(np.asarray(rgb, np.float32) @ weights, np.float32)
+    """Relative luminance of scene-linear RGB: Y of CIE XYZ, 1 for white.
+
+    ``rgb`` (..., 3), usually (H, W, 3); returns (...) float32. On neutrals it is exactly their value. Raises ArgumentError
+    for another shape, ColorError for a colour space that is not known.
+    """
+    pixels = np.asarray(rgb, np.float32)
+    if pixels.ndim == 0 or pixels.shape[-1] != 3:
+        raise ArgumentError(f"rgb: expected shape (H, W, 3), found {pixels.shape}", parameter="rgb")
+    red, _, blue = normalised(space(colorspace))[1].astype(np.float32)
+    r, g, b = pixels[..., 0], pixels[..., 1], pixels[..., 2]
+    return np.asarray(g + (red * (r - g) + blue * (b - g)), np.float32)  # as matrix.mix: the weights sum to 1
 
 
 def lstar(luminance: npt.ArrayLike) -> Array:
-    """L* 0..100 of Y 0..1, going on above white, linear below the toe."""
+    """CIE 1976 lightness L* of a luminance: 0..100 for 0..1.
+
+    Any shape; returns float32. Goes on above white with the cube root, below zero with the toe's line.
+    """
     y = np.asarray(luminance, np.float32)
-    return np.asarray(np.where(y > LAB_EPSILON, 116 * np.cbrt(y) - 16, np.float32(LAB_KAPPA) * y), np.float32)
+    return np.asarray(np.where(y > _EPSILON, 116 * np.cbrt(y) - 16, _KAPPA * y), np.float32)
 
 
 def lstar_inverse(lightness: npt.ArrayLike) -> Array:
-    """Y of L*."""
-    ls = np.asarray(lightness, np.float32)
-    return np.asarray(np.where(ls > 8, ((ls + 16) / 116) ** 3, ls / np.float32(LAB_KAPPA)), np.float32)
+    """Luminance of a CIE 1976 lightness L*: the inverse of :func:`lstar`, any shape; returns float32."""
+    lightness = np.asarray(lightness, np.float32)
+    return np.asarray(np.where(lightness > 8, ((lightness + 16) / 116) ** 3, lightness / _KAPPA), np.float32)
