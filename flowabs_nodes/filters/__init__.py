@@ -1,7 +1,8 @@
 """The paper's filters: pure functions on arrays of code values (0..255 white), no files, no graph.
 
-Each is imported when it is first asked for, so that node declarations can be read without numba. Modules are called after
-their function (``filters/etf.py`` holds ``etf``); as an attribute of this package the name always means the function.
+Each is imported when it is first asked for, so that node declarations can be read without numba. Modules are called
+after their function (``filters/etf.py`` holds ``etf``); as an attribute of this package the name always means the
+function.
 """
 
 from __future__ import annotations
