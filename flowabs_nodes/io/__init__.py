@@ -1,0 +1,1 @@
+"""Pictures and sequences in and out of files."""

@@ -1,0 +1,131 @@
+"""Metadata in OpenImageIO's words and in an EXR header's: names and types, both ways."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import OpenEXR
+import OpenImageIO as oiio
+
+#: EXR's name -> OpenImageIO's.
+OIIO_NAMES = {
+    "owner": "Copyright",
+    "capDate": "DateTime",
+    "comments": "ImageDescription",
+    "expTime": "ExposureTime",
+    "aperture": "FNumber",
+    "xDensity": "XResolution",
+    "timeCode": "smpte:TimeCode",
+    "keyCode": "smpte:KeyCode",
+    "pixelAspectRatio": "PixelAspectRatio",
+}
+EXR_NAMES = {theirs: name for name, theirs in OIIO_NAMES.items()} | {
+    "oiio:ColorSpace": "colorInteropID",
+    "worldtocamera": "worldToCamera",
+    "worldtoscreen": "worldToScreen",
+    "oiio:subimagename": "name",
+}
+
+#: What describes how pixels were stored in some file, not the picture: never carried from one file to another.
+_STORAGE = (
+    "oiio:",
+    "openexr:",
+    "tiff:",
+    "png:",
+    "jpeg:",
+    "ICCProfile",
+    "thumbnail_",
+    "compression",
+    "planarconfig",
+    "textureformat",
+    "flowabs:",
+    "Exif:ColorSpace",
+    "Exif:PixelXDimension",
+    "Exif:PixelYDimension",
+    "CICP",
+)
+
+_MATRICES = {9: (3, 3), 16: (4, 4)}
+
+
+def values(spec: oiio.ImageSpec) -> dict[str, tuple[str, Any]]:
+    """Every attribute of a spec: name -> (type, value); arrays as tuples, so that they compare."""
+    found = {}
+    for attribute in spec.extra_attribs:
+        value = attribute.value
+        found[attribute.name] = (str(attribute.type), tuple(value.ravel().tolist()) if isinstance(value, np.ndarray) else value)
+    return found
+
+
+def describes_picture(name: str) -> bool:
+    """False for an attribute that only says how a file stored its pixels."""
+    return not name.startswith(_STORAGE)
+
+
+def to_exr(name: str, kind: str, value: Any) -> tuple[str, Any] | None:
+    """An attribute of a spec as the OpenEXR module writes it, name and value; None where EXR has no such type."""
+    name = EXR_NAMES.get(name, name)
+    if len(name.encode("utf-8", "replace")) > 255:
+        return None
+    base = kind.split("[")[0]
+    if isinstance(value, str):
+        return name, value.encode("utf-8", "replace").decode("utf-8")
+    if isinstance(value, int) and base not in ("double", "float", "half"):
+        return (name, value) if -(2**31) <= value < 2**31 else (name, str(value))
+    if isinstance(value, int | float):
+        return name, float(value)
+    if not isinstance(value, tuple | list) or not value:
+        return None
+    if all(isinstance(item, str) for item in value):
+        return name, [item.encode("utf-8", "replace").decode("utf-8") for item in value]
+    if base in ("rational", "urational") and len(value) == 2 and value[1]:
+        return name, Fraction(int(value[0]), int(value[1]))
+    if base == "timecode":
+        return name, _timecode(int(value[0]), int(value[1]))
+    if base == "keycode":
+        return name, OpenEXR.KeyCode(*(int(part) for part in value))
+    if name == "chromaticities" and len(value) == 8:
+        return name, tuple(float(item) for item in value)
+    if all(isinstance(item, int) for item in value):
+        if len(value) == 4 and base in ("box2i", "vector2i"):
+            return name, (np.array(value[:2], np.int32), np.array(value[2:], np.int32))
+        if len(value) in (2, 3):
+            return name, np.array(value, np.int32)
+    if kind in ("box2", "float2[2]") and len(value) == 4:
+        return name, (np.array(value[:2], np.float32), np.array(value[2:], np.float32))
+    numbers = np.array(value, np.float64 if base == "double" and len(value) in (2, 3, 9, 16) else np.float32)
+    if base in ("matrix", "matrix33", "double") and len(value) in _MATRICES:
+        return name, numbers.reshape(_MATRICES[len(value)])
+    return name, numbers if len(value) in (2, 3) else [float(item) for item in numbers]
+
+
+def to_spec(header: dict[str, Any], spec: oiio.ImageSpec) -> None:
+    """Put an EXR header's attributes on a spec, as OpenImageIO would name them."""
+    for name, value in header.items():
+        theirs = OIIO_NAMES.get(name, name)
+        if isinstance(value, str | float) or (isinstance(value, int) and not hasattr(value, "name")):
+            spec.attribute(theirs, value)
+        elif isinstance(value, Fraction):
+            spec.attribute(theirs, oiio.TypeRational, (value.numerator, value.denominator))
+        elif isinstance(value, tuple) and len(value) == 8:
+            spec.attribute(theirs, oiio.TypeDesc("float[8]"), value)
+        elif isinstance(value, np.ndarray) and value.dtype == np.float32 and value.size in (2, 3, 16):
+            kind = {2: oiio.TypeVector2, 3: oiio.TypeVector, 16: oiio.TypeMatrix}[value.size]
+            spec.attribute(theirs, kind, tuple(value.ravel().tolist()))
+
+
+def _timecode(time: int, user: int) -> OpenEXR.TimeCode:
+    """SMPTE 12M time and flags, packed for 60-field television, as OpenImageIO holds them."""
+
+    def digits(shift: int, bits: int) -> int:
+        packed = time >> shift & (1 << bits) - 1
+        return (packed >> 4) * 10 + (packed & 15)
+
+    def flag(bit: int) -> int:
+        return time >> bit & 1
+
+    clock = digits(24, 6), digits(16, 7), digits(8, 7), digits(0, 6)
+    flags = flag(6), flag(7), flag(15), flag(23), flag(30), flag(31)
+    return OpenEXR.TimeCode(*clock, *flags, *(user >> 4 * group & 15 for group in range(8)))

@@ -1,0 +1,36 @@
+"""What a file's content is, as a short text: part of every key (DESIGN 7)."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import threading
+
+from flowabs_nodes.errors import ReadError
+
+_known: dict[tuple[str, int, int], str] = {}
+_lock = threading.Lock()
+
+
+def content_hash(path: str | os.PathLike[str]) -> str:
+    """BLAKE2b-256 of the file's bytes, as hex; path, size and time only say that it need not be read again."""
+    try:
+        before = _version(path)
+        with _lock:
+            if before in _known:
+                return _known[before]
+        with open(path, "rb") as file:
+            digest = hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=32)).hexdigest()
+        if _version(path) == before:  # not while somebody writes it
+            with _lock:
+                _known[before] = digest
+    except FileNotFoundError:
+        raise ReadError("no such file", code="missing-file", file=os.fspath(path)) from None
+    except (OSError, ValueError) as error:
+        raise ReadError(f"cannot be read: {error}", file=os.fspath(path)) from error
+    return digest
+
+
+def _version(path: str | os.PathLike[str]) -> tuple[str, int, int]:
+    state = os.stat(path)
+    return os.path.realpath(path), state.st_size, state.st_mtime_ns

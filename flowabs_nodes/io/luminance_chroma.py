@@ -1,0 +1,116 @@
+"""EXR files of luminance and subsampled chroma (channels Y, RY, BY), which OpenImageIO does not read."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import OpenEXR
+import OpenImageIO as oiio
+
+from flowabs_nodes import color
+from flowabs_nodes.color import detect
+from flowabs_nodes.errors import ReadError
+from flowabs_nodes.io import attributes
+from flowabs_nodes.io.container import check_size
+from flowabs_nodes.io.settings import Settings
+
+Array = npt.NDArray[np.float32]
+
+#: Half of the filter that OpenEXR's ``RgbaYca`` reconstructs chroma with: weights 1, 3, 5 .. 13 pixels away.
+_TAPS = (0.627123, -0.186077, 0.087929, -0.043159, 0.019597, -0.007540, 0.002128)
+
+#: A file whose pixels would take this many times its size is taken for a bomb: the OpenEXR module does not look.
+_SHRINKS_AT_MOST = 2000
+
+
+class LuminanceChromaFile:
+    """A one-part EXR with Y, RY = (R - Y)/Y, BY = (B - Y)/Y and maybe A, seen as one with R, G, B[, A]."""
+
+    def __init__(self, path: str, settings: Settings) -> None:
+        self.path = path
+        self.format = "openexr"
+        self._settings = settings
+        header, channels = self._open(header_only=True)
+        missing = {"Y", "RY", "BY"} - set(channels)
+        if missing or set(channels) - {"Y", "RY", "BY", "A"}:
+            raise self._error(f"channels {','.join(sorted(channels))} with subsampling; only Y,RY,BY[,A] can be read so")
+        low, high = header["dataWindow"]
+        full_low, full_high = header["displayWindow"]
+        spec = oiio.ImageSpec(int(high[0] - low[0]) + 1, int(high[1] - low[1]) + 1, 4 if "A" in channels else 3, "half")
+        spec.x, spec.y = int(low[0]), int(low[1])
+        spec.full_x, spec.full_y = int(full_low[0]), int(full_low[1])
+        spec.full_width, spec.full_height = (int(b - a) + 1 for a, b in zip(full_low, full_high, strict=True))
+        attributes.to_spec(header, spec)
+        spec.attribute("compression", header["compression"].name.split("_")[0].lower())
+        check_size(path, spec, 4, settings)
+        if spec.width * spec.height * 2 > _SHRINKS_AT_MOST * os.path.getsize(path):
+            raise self._error(f"{spec.width}x{spec.height} pixels cannot be in a file this small")
+        self.specs = (spec,)
+
+    def read(self, part: int, channels: Sequence[str]) -> Array:
+        """(H, W, C) of R, G, B, A in any order."""
+        planes = self.read_native(part, channels)
+        return np.stack([planes[name].astype(np.float32) for name in channels], axis=2)
+
+    def read_native(self, part: int, channels: Sequence[str]) -> dict[str, npt.NDArray[Any]]:
+        """R, G, B as the reconstruction gives them, float32; A as it is in the file."""
+        spec = self.specs[part]
+        _, found = self._open(header_only=False)
+        y = found["Y"].pixels.astype(np.float32)
+        if y.shape != (spec.height, spec.width):
+            raise self._error("luminance itself is subsampled")
+        ry, by = (self._full(found[name], name) for name in ("RY", "BY"))
+        weights = color.luminance(np.eye(3, dtype=np.float32)[None], detect(spec).space)[0]
+        planes: dict[str, npt.NDArray[Any]] = {"R": (ry + 1) * y, "B": (by + 1) * y}
+        planes["G"] = (y - weights[0] * planes["R"] - weights[2] * planes["B"]) / weights[1]
+        if "A" in found:
+            planes["A"] = found["A"].pixels
+        return {name: planes[name] for name in channels}
+
+    def _open(self, header_only: bool) -> tuple[dict[str, Any], dict[str, Any]]:
+        try:
+            with contextlib.redirect_stdout(io.StringIO()):  # it prints its warnings there
+                file = OpenEXR.File(self.path, separate_channels=True, header_only=header_only)
+            if len(file.parts) != 1:  # none: it could not decode the pixels, and only warned
+                raise self._error("damaged or cut short" if not file.parts else "several parts of subsampled channels")
+            header = dict(file.parts[0].header)
+            channels = header["channels"] if header_only else file.parts[0].channels.values()
+            return header, {channel.name: channel for channel in channels}
+        except (RuntimeError, ValueError, KeyError) as error:  # ValueError: a header that is no UTF-8, too
+            raise self._error(f"damaged: {error}") from None
+
+    def _full(self, channel: Any, name: str) -> Array:
+        """A chroma channel on every pixel; samples lie at the plane's even x and y."""
+        spec = self.specs[0]
+        plane = channel.pixels.astype(np.float32)
+        steps = (channel.ySampling, channel.xSampling)
+        for axis, (first, size) in enumerate(((spec.y, spec.height), (spec.x, spec.width))):
+            if steps[axis] not in (1, 2):
+                raise self._error(f"channel {name} is sampled every {steps[1]}x{steps[0]} pixels; 1 and 2 can be read")
+            if steps[axis] == 2:
+                plane = np.moveaxis(_upsampled(np.moveaxis(plane, axis, 0), first % 2, size), 0, axis)
+        return plane
+
+    def _error(self, text: str) -> ReadError:
+        return ReadError(text, code="damaged" if "damaged" in text else None, file=self.path)
+
+
+def _upsampled(samples: Array, first: int, size: int) -> Array:
+    """Samples along axis 0 at ``first``, first + 2 ... set on ``size`` places; between them the filter, ends repeated."""
+    result = np.empty((size, *samples.shape[1:]), np.float32)
+    result[first::2] = samples
+    count = len(samples)
+    left = np.arange(1 - first, size, 2) // 2 - (1 if first else 0)  # the sample just before each place between two
+    between = np.zeros((len(left), *samples.shape[1:]), np.float32)
+    for step, weight in enumerate(_TAPS):
+        before = samples[np.clip(left - step, 0, count - 1)]
+        after = samples[np.clip(left + 1 + step, 0, count - 1)]
+        between += np.float32(weight) * (before + after)
+    result[1 - first :: 2] = between
+    return result

@@ -1,0 +1,49 @@
+"""NaN and Inf in a plate: repaired from their neighbours, or refused, and always counted (DESIGN 10)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+import OpenImageIO as oiio
+
+from flowabs_nodes.errors import ReadError
+
+Array = npt.NDArray[np.float32]
+
+
+def count(pixels: npt.NDArray[np.floating]) -> tuple[int, int]:
+    """How many values are NaN, and how many are Inf."""
+    # One pass without a copy: a sum of finite float32 numbers in float64 is finite.
+    if math.isfinite(float(pixels.sum(dtype=np.float64))):
+        return 0, 0
+    nans = int(np.isnan(pixels).sum())
+    return nans, int(pixels.size - nans - np.isfinite(pixels).sum())
+
+
+def said(nans: int, infs: int) -> str:
+    """ "6 NaN and 12 Inf"."""
+    return " and ".join(f"{number} {what}" for number, what in ((nans, "NaN"), (infs, "Inf")) if number)
+
+
+def repaired(pixels: Array, policy: str) -> tuple[Array, str]:
+    """(H, W, C) without NaN and Inf, and what to say about it; ``policy`` "error" raises ReadError instead.
+
+    Each is replaced by the mean of the finite values among its 3x3 neighbours (OIIO's fixNonFinite), from the first
+    pixel to the last; where nothing at all is finite, by 0.
+    """
+    nans, infs = count(pixels)
+    if not nans and not infs:
+        return pixels, ""
+    found = said(nans, infs)
+    if policy == "error":
+        raise ReadError(f"{found} in its pixels", code="non-finite", hint='nonfinite: "repair"', parameter="nonfinite")
+    buf = oiio.ImageBuf(pixels)
+    # One thread: with several the result depends on how they share the work.
+    fixed = oiio.ImageBufAlgo.fixNonFinite(buf, oiio.NONFINITE_BOX3, nthreads=1)
+    result = np.asarray(fixed.get_pixels(oiio.FLOAT), np.float32).reshape(pixels.shape)
+    black = ~np.isfinite(result)
+    if black.any():
+        result[black] = 0
+    return result, f"{found} repaired from their neighbours" + (f", {int(black.sum())} set to 0" if black.any() else "")

@@ -1,0 +1,153 @@
+"""Numbered files and frame ranges: ``shot.####.exr`` (fileseq's tokens, Nuke's widths) and ``1-100x2,200`` (Nuke's)."""
+
+from __future__ import annotations
+
+import os
+import re
+from dataclasses import dataclass
+from functools import cached_property
+
+import fileseq
+
+from flowabs_nodes.errors import CommandError, ReadError
+
+#: The most frames one range may come to.
+MAX_FRAMES = 1_000_000
+MISSING = ("error", "hold", "nearest", "black", "skip")
+
+_RANGE = re.compile(r"(-?\d{1,18})(?:-(-?\d{1,18})(?:x(\d{1,18}))?)?")
+_TOKEN = re.compile(r"#+|@+|%\d*d(?![A-Za-z])|\$F\d*")
+
+
+def parse_frames(text: str) -> tuple[int, ...]:
+    """The frames of a range such as ``1001-1100x2,200`` or ``-5-5``, each once, in the order given.
+
+    Raises CommandError where the text is no range, or comes to more than a million frames.
+    """
+    frames: dict[int, None] = {}
+    for part in text.split(","):
+        match = _RANGE.fullmatch(part.strip())
+        if not match or match[3] == "0":
+            hint = "every fourth frame is 1-10x4; a stagger (:) is not for rendering" if ":" in part else ""
+            raise CommandError(
+                f"{part.strip()!r} is not a frame range such as 1001-1100x2,200", code="bad-frames", hint=hint
+            )
+        first, last = int(match[1]), int(match[2] if match[2] is not None else match[1])
+        step = int(match[3] or 1)
+        numbers = range(first, last + 1, step) if last >= first else range(first, last - 1, -step)
+        if len(frames) + len(numbers) > MAX_FRAMES:
+            raise CommandError(f"{text!r} is more than {MAX_FRAMES:,} frames", code="bad-frames")
+        frames.update(dict.fromkeys(numbers))
+    return tuple(frames)
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a frame's pixels come from after the missing-frame policy has spoken.
+
+    ``path`` is the file to read: of another frame for "hold" and "nearest"; for ``black`` the nearest frame's, whose
+    windows and metadata the black frame takes; None where the frame is to be left out (``skip``).
+    """
+
+    path: str | None
+    frame: int
+    black: bool = False
+    skip: bool = False
+
+
+@dataclass(frozen=True)
+class Sequence:
+    """A file name, with or without one frame token (``####``, ``%04d``, ``$F4``, ``@@@``) in its last part.
+
+    Widths are strict, as in Nuke: ``####`` is 0001 and 12345, never 1. Folders are taken literally.
+    """
+
+    pattern: str
+
+    def __post_init__(self) -> None:
+        _ = self._parts  # a name with two tokens, or with a range in it, is refused at once
+
+    @property
+    def has_token(self) -> bool:
+        """True for a sequence, False for a single picture."""
+        return self._parts is not None
+
+    @cached_property
+    def _parts(self) -> tuple[str, int, str] | None:
+        """What stands before the number, its width, and what stands after it; None for a single picture."""
+        folder, name = os.path.split(self.pattern)
+        tokens = list(_TOKEN.finditer(name))
+        if not tokens:
+            return None
+        if len(tokens) > 1:
+            found = " and ".join(token[0] for token in tokens)
+            raise CommandError(f"a name has one frame token, found {found}", code="bad-sequence", file=self.pattern)
+        try:
+            numbered = fileseq.FileSequence(name, pad_style=fileseq.PAD_STYLE_HASH1)
+        except fileseq.FileSeqException as error:
+            raise CommandError(f"not a sequence: {error}", code="bad-sequence", file=self.pattern) from None
+        if numbered.frameSet():
+            found = numbered.frameRange()
+            raise CommandError(f"a range, {found}, does not belong in the name", code="bad-sequence", file=self.pattern)
+        token = tokens[0]
+        return os.path.join(folder, name[: token.start()]), numbered.zfill(), name[token.end() :]
+
+    def path(self, frame: int) -> str:
+        """The file of that frame; a single picture is every frame's."""
+        if self._parts is None:
+            return self.pattern
+        before, width, after = self._parts
+        return f"{before}{frame:0{width}d}{after}"
+
+    def frame_of(self, name: str) -> int | None:
+        """The frame that a file name without folder is, or None where it is not of this sequence."""
+        if self._parts is None:
+            return 1 if name == os.path.basename(self.pattern) else None
+        before, _, after = self._parts
+        start = os.path.basename(before)
+        match = re.fullmatch(re.escape(start) + r"(-?\d{1,18})" + re.escape(after), name)
+        if match is None:
+            return None
+        frame = int(match[1])
+        return frame if os.path.basename(self.path(frame)) == name else None
+
+    def frames_on_disk(self) -> tuple[int, ...]:
+        """The frames that are there, in order; a single picture is frame 1."""
+        folder = os.path.dirname(self.pattern) or "."
+        if not self.has_token:
+            return (1,) if os.path.exists(self.pattern) else ()
+        try:
+            found = {self.frame_of(name) for name in os.listdir(folder)}
+        except FileNotFoundError:
+            return ()
+        except OSError as error:
+            raise ReadError(f"the folder cannot be listed: {error.strerror}", file=self.pattern) from error
+        return tuple(sorted(frame for frame in found if frame is not None))
+
+    def resolve(self, frame: int, missing: str = "error") -> Source:
+        """The file to read for ``frame``; raises ReadError where it is missing and the policy does not help."""
+        path = self.path(frame)
+        if os.path.exists(path):
+            return Source(path, frame)
+        if missing == "skip":
+            return Source(None, frame, skip=True)
+        there = self.frames_on_disk() if missing != "error" and self.has_token else ()
+        if missing == "hold":
+            there = tuple(other for other in there if other < frame)
+        if not there:
+            message, hint = "no such file", ""
+            if missing == "hold" and self.has_token:
+                message, hint = "no such file, and no earlier frame to hold", 'missing: "nearest" takes a later one too'
+            elif self.has_token and missing != "error":
+                message = "no such file, nor any other frame of the sequence"
+            elif not os.path.isdir(os.path.dirname(path) or "."):
+                message = "no such file: its folder does not exist"
+            raise ReadError(message, code="missing-file", file=path, frame=frame, hint=hint)
+        nearest = min(there, key=lambda other: (abs(other - frame), other))
+        return Source(self.path(nearest), frame, black=missing == "black")
+
+
+def listing(frames: tuple[int, ...]) -> str:
+    """Frames as a range, for messages: (1, 2, 3, 7) is "1-3,7"."""
+    return str(fileseq.FrameSet(frames).frange) if frames else "none"
+
