@@ -1,0 +1,113 @@
+"""The edge tangent flow of section 2, neighbour by neighbour, and the confidence fill, cell by cell."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+Float64 = npt.NDArray[np.float64]
+
+
+def gradient(code: npt.ArrayLike) -> tuple[Float64, Float64]:
+    """Tangents (zero without gradient) and |g|: Sobel / 8, border repeated; of several channels the tensor's."""
+    code = np.asarray(code, np.float64)
+    height, width = code.shape[:2]
+    padded = np.pad(code.reshape(height, width, -1), ((1, 1), (1, 1), (0, 0)), "edge")
+    sobel = np.array([[-1, 0, 1], [-2, 0, 2], [-1, 0, 1]]) / 8
+    tangent, magnitude = np.zeros((height, width, 2)), np.zeros((height, width))
+    for y in range(height):
+        for x in range(width):
+            around = padded[y : y + 3, x : x + 3]
+            g = np.array([np.tensordot(sobel, around), np.tensordot(sobel.T, around)])  # (2, channels)
+            values, vectors = np.linalg.eigh(g @ g.T)
+            magnitude[y, x] = np.sqrt(max(values[1], 0))
+            if magnitude[y, x] > 0:
+                gx, gy = vectors[:, 1]
+                tangent[y, x] = -gy, gx
+    return tangent, magnitude
+
+
+def etf(
+    code: npt.ArrayLike,
+    radius: float,
+    iterations: int,
+    kernel: str = "full",
+    reference: float | None = None,
+    fill: float | None = None,
+) -> Float64:
+    """Eqs. 1-5 as printed; pixels outside the picture take no part. ``reference`` None is the maximum."""
+    tangent, magnitude = gradient(code)
+    reference = magnitude.max() if reference is None else reference
+    strength = np.minimum(magnitude / reference, 1) if reference > 0 else np.zeros_like(magnitude)
+    if fill is not None:
+        tangent = flow_fill(tangent, magnitude, fill)
+    d = range(-int(np.ceil(radius)), int(np.ceil(radius)) + 1)
+    disc = [(dx, dy) for dy in d for dx in d if dx * dx + dy * dy < radius * radius]
+    row, column = [(k, 0) for k in d if abs(k) < radius], [(0, k) for k in d if abs(k) < radius]
+    for _ in range(iterations):
+        for offsets in [disc] if kernel == "full" else [row, column]:
+            tangent = _smooth(tangent, strength, offsets)
+    return tangent
+
+
+def _smooth(tangent: Float64, strength: Float64, offsets: list[tuple[int, int]]) -> Float64:
+    height, width = strength.shape
+    total = np.zeros_like(tangent)
+    for dx, dy in offsets:  # y = x + (dx, dy), for all x whose y lies in the picture
+        here = np.s_[max(-dy, 0) : max(height - max(dy, 0), 0), max(-dx, 0) : max(width - max(dx, 0), 0)]
+        there = np.s_[max(dy, 0) : max(height + min(dy, 0), 0), max(dx, 0) : max(width + min(dx, 0), 0)]
+        dot = (tangent[here] * tangent[there]).sum(-1)
+        phi = np.where(dot > 0, 1, -1)  # eq. 5
+        w_m = (strength[there] - strength[here] + 1) / 2  # eq. 3
+        w_d = np.abs(dot)  # eq. 4
+        total[here] += (phi * w_m * w_d)[..., None] * tangent[there]  # eq. 1
+    k = np.linalg.norm(total, axis=-1, keepdims=True)
+    return np.where(k > 0, total / np.where(k > 0, k, 1), tangent)
+
+
+def flow_fill(tangent: Float64, magnitude: Float64, fill: float) -> Float64:
+    """Major eigenvectors of a push-pull pyramid of m^2 t t^T; where the confidence is full the tangent stays."""
+    confidence = magnitude**2
+    tensor = confidence[..., None, None] * tangent[..., :, None] * tangent[..., None, :]
+    blended = _fill_level(tensor, confidence, fill, 0)
+    filled = tangent.copy()
+    for y, x in np.argwhere((confidence < fill**2) | (confidence == 0)):
+        values, vectors = np.linalg.eigh(blended[y, x])
+        filled[y, x] = vectors[:, 1] if values[1] > values[0] else (1, 0)
+    return filled
+
+
+def _fill_level(tensor: Float64, confidence: Float64, fill: float, level: int) -> Float64:
+    """The blended tensors of one level; each cell averages the pixels of the picture that it covers."""
+    size = 2**level
+    height, width = (-(-n // size) for n in confidence.shape)
+    coarser = _fill_level(tensor, confidence, fill, level + 1) if max(height, width) > 1 else None
+    blended = np.zeros((height, width, 2, 2))
+    for j in range(height):
+        for i in range(width):
+            cell = np.s_[j * size : (j + 1) * size, i * size : (i + 1) * size]
+            own, weight = tensor[cell].mean((0, 1)), confidence[cell].mean()
+            alpha = 0.0 if weight == 0 else 1.0 if weight >= fill**2 else weight / fill**2
+            if coarser is None:
+                blended[j, i] = own / weight if weight > 0 else 0
+            else:
+                below = _bilinear(coarser, (j + 0.5) / 2 - 0.5, (i + 0.5) / 2 - 0.5)
+                blended[j, i] = alpha * own / (weight if weight > 0 else 1) + (1 - alpha) * below
+    return blended
+
+
+def _bilinear(cells: Float64, y: float, x: float) -> Float64:
+    y0, x0 = int(np.floor(y)), int(np.floor(x))
+    value = np.zeros(cells.shape[2:])
+    for j, i in ((y0, x0), (y0, x0 + 1), (y0 + 1, x0), (y0 + 1, x0 + 1)):
+        weight = (1 - abs(y - j)) * (1 - abs(x - i))
+        value += weight * cells[np.clip(j, 0, cells.shape[0] - 1), np.clip(i, 0, cells.shape[1] - 1)]
+    return value
+
+
+def degrees_between(flow: npt.ArrayLike, other: npt.ArrayLike) -> Float64:
+    """Angle between orientations, 0 to 90; tangents that are zero in both agree."""
+    a, b = np.asarray(flow, np.float64), np.asarray(other, np.float64)
+    cross = np.abs(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+    dot = np.abs((a * b).sum(-1))
+    return np.degrees(np.arctan2(cross, dot))
