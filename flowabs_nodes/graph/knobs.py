@@ -1,0 +1,103 @@
+"""Knobs: reading them from a graph's ``interface``, and whether one may drive a parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from flowabs_nodes.graph import shape
+from flowabs_nodes.graph.model import KNOB_TYPES, Knob, KnobType
+from flowabs_nodes.graph.problems import Place, Problems, show
+from flowabs_nodes.nodes.declare import Param
+
+#: Which knobs a parameter takes as they are. What a ``custom`` parameter takes depends on the value.
+DRIVES: Mapping[str, tuple[KnobType, ...]] = {
+    "float": ("float", "int"),
+    "int": ("int",),
+    "bool": ("bool",),
+    "enum": ("enum",),
+    "string": ("string", "enum"),
+    "file": ("string", "enum"),
+    "color": ("color",),
+    "custom": KNOB_TYPES,
+}
+
+
+def read_knobs(interface: dict[str, Any], problems: Problems) -> dict[str, Knob | None]:
+    """Every knob by name; None for one that is not right, of which nothing more is said."""
+    place = ("interface",)
+    entries = shape.named(interface, place, "a knob's name", problems)
+    return {name: _read_knob(name, raw, (*place, name), problems) for name, raw in entries.items()}
+
+
+def _read_knob(name: str, raw: Any, place: Place, problems: Problems) -> Knob | None:
+    before = problems.errors
+    knob = shape.fields(raw, place, shape.KNOB, problems, required=("type", "default"))
+    kind = knob.get("type")
+    if kind is not None and kind not in KNOB_TYPES:
+        expected = f"one of {', '.join(KNOB_TYPES)}"
+        problems.add("bad-value", (*place, "type"), show(kind), expected, problems.near(kind, KNOB_TYPES))
+    if problems.errors > before or kind is None:
+        return None
+    for key in knob.keys() - _keys_of(kind):
+        problems.add("unknown-key", (*place, key), f"{key!r} on a knob of type {kind}", _only_for(key))
+    if kind == "enum":
+        _check_choices(knob.get("choices"), (*place, "choices"), problems)
+    if problems.errors > before:
+        return None
+    knob["choices"] = tuple(knob.get("choices", ()))
+    made = Knob(name, **knob)
+    _check_range(made, place, problems)
+    return made if problems.errors == before else None
+
+
+def _keys_of(kind: str) -> set[str]:
+    own = {"float": {"min", "max"}, "int": {"min", "max"}, "enum": {"choices"}}.get(kind, set())
+    return {"type", "default", "unit", "help"} | own
+
+
+def _only_for(key: str) -> str:
+    return "choices for an enum only" if key == "choices" else f"{key} for a float or an int only"
+
+
+def _check_choices(choices: list[Any] | None, place: Place, problems: Problems) -> None:
+    if not choices or not all(isinstance(choice, str) for choice in choices) or len(set(choices)) < len(choices):
+        found = "nothing" if choices is None else show(choices)
+        problems.add("bad-value", place, found, "a list of different words for an enum to choose from")
+
+
+def _check_range(knob: Knob, place: Place, problems: Problems) -> None:
+    """The ends of the range against the knob's type and each other, then the default against the range."""
+    free = replace(knob, min=None, max=None).param
+    before = problems.errors
+    for key in ("min", "max"):
+        end = getattr(knob, key)
+        wrong = None if end is None else free.problem(end)
+        if wrong:
+            problems.add(wrong[0], (*place, key), show(end), wrong[1])
+    if problems.errors == before and knob.min is not None and knob.max is not None and knob.min > knob.max:
+        problems.add("bad-value", (*place, "max"), show(knob.max), f"at least min, {knob.min:g}")
+    wrong = (knob.param if problems.errors == before else free).problem(knob.default)
+    if wrong:
+        hint = problems.near(knob.default, knob.choices) if knob.choices else ""
+        problems.add(wrong[0], (*place, "default"), show(knob.default), wrong[1], hint)
+
+
+def check_drives(knob: Knob, param: Param, owner: str, place: Place, problems: Problems) -> None:
+    """Whether a knob may drive a parameter as it is; what is wrong with its values is pointed at where they stand.
+
+    ``place`` is that of the parameter, ``owner`` its name in messages (``lines.sigma_c``).
+    """
+    if knob.type not in DRIVES[param.kind]:
+        hint = "a map makes a whole number of it" if (param.kind, knob.type) == ("int", "float") else ""
+        wanted = f"a knob of type {' or '.join(DRIVES[param.kind])}"
+        problems.add("wrong-type", (*place, "from"), f"knob {knob.name!r} of type {knob.type}", wanted, hint)
+        return
+    values: list[tuple[Place, Any]] = [(("default",), knob.default), (("min",), knob.min), (("max",), knob.max)]
+    values += [(("choices", i), choice) for i, choice in enumerate(knob.choices)]
+    for key, value in values:
+        wrong = None if value is None else param.problem(value)
+        if wrong:
+            problems.add(wrong[0], ("interface", knob.name, *key), show(value), f"{wrong[1]}, for {owner}")
+            return  # the default, and the range it lies in, are one mistake

@@ -1,0 +1,135 @@
+"""The links of a graph: where each input comes from, whether the ports fit, cycles, and what nothing needs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from flowabs_nodes.graph import order
+from flowabs_nodes.graph.model import NAME, NAME_RULE, Link
+from flowabs_nodes.graph.problems import Place, Problems, show
+from flowabs_nodes.nodes.declare import Node, Port
+
+#: Of each node its declaration, or None where its type is not known (and nothing more is said about it).
+Declarations = Mapping[str, Node | None]
+Links = Mapping[str, Mapping[str, Link]]
+
+
+def read_links(
+    name: str, raw: dict[str, Any], declarations: Declarations, place: Place, problems: Problems
+) -> dict[str, Link]:
+    """The links of one node by input, those that lead somewhere; what is wrong with the others is noted."""
+    declaration = declarations[name]
+    ports = list(raw) if declaration is None else _known_inputs(declaration, raw, place, problems)
+    links = {port: _read_link(raw[port], declarations, (*place, port), problems) for port in ports}
+    return {port: link for port, link in links.items() if link is not None}
+
+
+def _known_inputs(declaration: Node, raw: dict[str, Any], place: Place, problems: Problems) -> list[str]:
+    """The inputs that the node has. A wrong name stands for the open input it is closest to: one mistake."""
+    known = []
+    open_ports = [port for port in declaration.all_inputs if port not in raw]
+    for port in raw:
+        if declaration.input(port) is None:
+            meant = problems.closest(port, open_ports)
+            hint = f"did you mean {meant!r}?" if meant else problems.near(port, declaration.all_inputs)
+            problems.add("unknown-input", (*place, port), show(port), f"an input of {declaration.name}", hint)
+            if meant:
+                open_ports.remove(meant)
+        elif not NAME.fullmatch(port):
+            problems.add("bad-value", (*place, port), f"the name {show(port)}", f"a layer's name: {NAME_RULE}")
+        else:
+            known.append(port)
+    for port in open_ports:
+        if not declaration.all_inputs[port].optional:
+            expected = f"a link to a node that gives {types_in_words(declaration.all_inputs[port])}"
+            problems.add("missing-input", (*place, port), "nothing", expected)
+    return known
+
+
+def _read_link(raw: Any, declarations: Declarations, place: Place, problems: Problems) -> Link | None:
+    if not isinstance(raw, str):
+        problems.add("wrong-type", place, show(raw), 'a link: "node" or "node.output"')
+        return None
+    node, dot, output = raw.partition(".")
+    if node not in declarations:
+        hint = problems.near(node, declarations)
+        problems.add("unknown-node", place, show(node), "a node of this graph", hint)
+        return None
+    declaration = declarations[node]
+    if declaration is None:
+        return Link(node, output)
+    outputs = declaration.all_outputs
+    if not outputs:
+        problems.add("unknown-output", place, show(raw), f"a node that has an output; {declaration.name} has none")
+        return None
+    if dot and output not in outputs:
+        hint = problems.near(output, outputs)
+        problems.add("unknown-output", place, show(raw), f"an output of {node}, which is {declaration.name}", hint)
+        return None
+    return Link(node, output if dot else next(iter(outputs)))
+
+
+def check_links(declarations: Declarations, links: Links, problems: Problems) -> list[str]:
+    """Find cycles and ports that do not fit; the names of the nodes, each after those it needs."""
+    needs = {name: [link.node for link in links.get(name, {}).values()] for name in declarations}
+    names: list[str] = []
+    for component in order.components(needs):
+        names.extend(component)
+        if len(component) > 1 or component[0] in needs[component[0]]:
+            _add_cycle(order.cycle(component, needs), links, problems)
+    _check_types(names, declarations, links, problems)
+    return names
+
+
+def _add_cycle(cycle: list[str], links: Links, problems: Problems) -> None:
+    node, source = cycle[1], cycle[0]
+    port = next(port for port, link in links[node].items() if link.node == source)
+    path = [*cycle[:8], "...", cycle[-1]] if len(cycle) > 9 else cycle
+    expected = "no node that needs its own result"
+    problems.add("cycle", ("nodes", node, "inputs", port), " -> ".join(path), expected, "take one of these links away")
+
+
+def _check_types(names: list[str], declarations: Declarations, links: Links, problems: Problems) -> None:
+    """Follow the port types through the graph. Where one is not known, because of another mistake, nothing is said."""
+    gives: dict[Link, str | None] = {}
+    for name in names:
+        declaration = declarations[name]
+        if declaration is None:
+            continue
+        inside: dict[str, str | None] = {}
+        for input_name, link in links.get(name, {}).items():
+            given, port = gives.get(link), declaration.input(input_name)
+            if given is None or port is None:
+                continue
+            inside[input_name] = port.takes(given)
+            if inside[input_name] is None:
+                other = next(
+                    (o for o, type in gives.items() if o.node == link.node and type and port.takes(type)), None
+                )
+                hint = f"did you mean {str(other)!r}?" if other else ""
+                place = ("nodes", name, "inputs", input_name)
+                problems.add("wrong-type", place, f"{link}, which is {given}", types_in_words(port), hint)
+        for output, port in declaration.all_outputs.items():
+            own = port.accepts[0] if port.accepts else None
+            gives[Link(name, output)] = inside.get(port.same_as) if port.same_as else own
+
+
+def add_unused(names: list[str], declarations: Declarations, links: Links, problems: Problems) -> None:
+    """Warn of each node that no file written needs, when the graph writes any."""
+    writes = [
+        name for name, node in declarations.items() if node and node.file_param and node.file_param.role == "output"
+    ]
+    needed = set(writes)
+    for name in reversed(names):
+        if name in needed:
+            needed.update(link.node for link in links.get(name, {}).values())
+    for name in declarations:
+        if writes and name not in needed:
+            expected = f"a link from it that leads to {' or '.join(writes[:4])}"
+            problems.add("unused-node", ("nodes", name), f"{name}, which nothing needs", expected, warning=True)
+
+
+def types_in_words(port: Port) -> str:
+    """What a port takes: "color", "color or mono"."""
+    return "any image" if port.types == "any" else port.types.replace("|", " or ")

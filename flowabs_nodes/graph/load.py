@@ -1,0 +1,75 @@
+"""Loads and checks graphs, from a file, a shipped name, JSON text or a dict."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from flowabs_nodes.errors import CommandError
+from flowabs_nodes.graph.guard import MOST_BYTES, parse
+from flowabs_nodes.graph.model import Graph
+from flowabs_nodes.graph.plain import plain
+from flowabs_nodes.graph.problems import GraphError, Problem, Problems
+from flowabs_nodes.graph.shipped import resolve
+from flowabs_nodes.graph.validate import validate
+from flowabs_nodes.nodes import catalogue as installed
+from flowabs_nodes.nodes.declare import Node
+
+Source = str | Path | bytes | Mapping[str, Any]
+
+
+def load(source: Source, catalogue: Mapping[str, Node] | None = None) -> Graph:
+    """A valid graph.
+
+    Parameters
+    ----------
+    source
+        A path, the name of a shipped graph (a text without "/" that does not end in ".json"), JSON as bytes, or a dict.
+    catalogue
+        Node declarations by type; all that are installed unless given.
+
+    Raises
+    ------
+    GraphError
+        With everything that is wrong with it.
+    CommandError
+        The file cannot be read, or there is no such graph.
+    """
+    graph, problems, file = _read(source, catalogue)
+    if graph is None:
+        raise GraphError(problems, file=file or None)
+    return graph
+
+
+def check(source: Source, catalogue: Mapping[str, Node] | None = None) -> list[Problem]:
+    """Everything that is wrong with a graph, warnings included: :func:`load` that does not raise GraphError."""
+    return _read(source, catalogue)[1]
+
+
+def _read(source: Source, catalogue: Mapping[str, Node] | None) -> tuple[Graph | None, list[Problem], str]:
+    problems = Problems()
+    file = ""
+    try:
+        if isinstance(source, Mapping):
+            document = plain(source, problems)
+        elif isinstance(source, bytes):
+            document = parse(source, problems)
+        else:
+            path = source if isinstance(source, Path) else resolve(source)
+            file = str(path)
+            document = parse(_bytes(path), problems)
+        graph = validate(document, installed() if catalogue is None else catalogue, problems, file)
+    except GraphError as error:
+        return None, [*problems.found, *error.problems], file
+    return graph, problems.found, file
+
+
+def _bytes(path: Path) -> bytes:
+    """What the file holds, or one byte more than may be read of it."""
+    try:
+        with path.open("rb") as file:
+            return file.read(MOST_BYTES + 1)
+    except (OSError, ValueError) as error:  # ValueError: a NUL in the name
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        raise CommandError(f"cannot read the graph: {reason}", code="unreadable-graph", file=str(path)) from error

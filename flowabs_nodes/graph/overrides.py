@@ -1,0 +1,88 @@
+"""Sets knobs and parameters of a graph from outside: ``--set knob=value``, ``--set node.parameter=value``."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from flowabs_nodes.graph.guard import parse
+from flowabs_nodes.graph.model import Graph
+from flowabs_nodes.graph.plain import plain
+from flowabs_nodes.graph.problems import GraphError, Place, Problem, Problems, pointer, show
+from flowabs_nodes.graph.validate import validate
+
+
+def parse_setting(text: str) -> Any:
+    """A value from the command line: JSON if it parses (finite, no key twice), else the text itself."""
+    problems = Problems()
+    try:
+        value = parse(text.encode("utf-8", "surrogateescape"), problems)
+    except GraphError:
+        return text
+    return text if problems.found else value
+
+
+def override(graph: Graph, values: Mapping[str, Any]) -> Graph:
+    """The graph with these values set. GraphError, at places like ``--set lines.rho``, if they are wrong."""
+    document = copy.deepcopy(graph.document)
+    wrong: list[Problem] = []
+    places: dict[str, str] = {}
+    for name, value in values.items():
+        here = f"--set {name}"
+        place = _find(graph, name, here, wrong)
+        if place is None:
+            continue
+        problems = Problems()
+        try:
+            data = plain(value, problems)
+        except GraphError as error:
+            problems.found.extend(error.problems)
+        if problems.found:
+            wrong.extend(
+                replace(problem, code="bad-value", pointer=here + problem.pointer) for problem in problems.found
+            )
+            continue
+        owner = document
+        for key in place[:-1]:
+            owner = owner.setdefault(str(key), {})
+        owner[str(place[-1])] = data
+        places[pointer(place)] = here
+    problems = Problems()
+    catalogue = {node.declaration.type: node.declaration for node in graph.nodes.values()}
+    result = validate(document, catalogue, problems, graph.source)
+    errors = wrong + [_renamed(problem, places) for problem in problems.found if not problem.warning]
+    if errors or result is None:
+        raise GraphError(errors, file=graph.source or None)
+    return replace(result, notes=graph.notes)
+
+
+def _find(graph: Graph, name: str, here: str, wrong: list[Problem]) -> Place | None:
+    """Where the document holds what ``name`` names."""
+    problems = Problems()
+    node, dot, param = name.partition(".")
+    known = [f"{n}.{p}" for n, found in graph.nodes.items() if n == node for p in found.declaration.all_params]
+    if not dot:
+        if name in graph.interface:
+            return ("interface", name, "default")
+        hint = problems.near(name, [*graph.interface, *graph.nodes])
+        wrong.append(Problem("unknown-param", here, show(name), "a knob, or node.parameter", hint))
+    elif node not in graph.nodes:
+        hint = problems.near(node, graph.nodes)
+        wrong.append(Problem("unknown-node", here, show(node), "a node of this graph", hint))
+    elif name not in known:
+        declaration = graph.nodes[node].declaration
+        hint = problems.near(name, known)
+        wrong.append(Problem("unknown-param", here, show(param), f"a parameter of {declaration.name}", hint))
+    else:
+        return ("nodes", node, "params", param)
+    return None
+
+
+def _renamed(problem: Problem, places: Mapping[str, str]) -> Problem:
+    """The problem at the setting that made it."""
+    for place, here in places.items():
+        if problem.pointer == place or problem.pointer.startswith(place + "/"):
+            return replace(problem, pointer=here + problem.pointer[len(place) :])
+    return problem

@@ -1,0 +1,138 @@
+"""What a graph sets a parameter to: a literal, ``{"from": knob}`` (perhaps with a map), or ``{"curve": ...}``."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from flowabs_nodes.graph.knobs import check_drives
+from flowabs_nodes.graph.model import Knob
+from flowabs_nodes.graph.problems import Place, Problems, show
+from flowabs_nodes.graph.shape import NUMBER
+from flowabs_nodes.graph.values import Curve, FromKnob, Literal, Value
+from flowabs_nodes.nodes.declare import Param
+
+FRAME = re.compile(r"0|-?[1-9][0-9]{0,8}")
+
+
+def read_value(
+    param: Param, raw: Any, knobs: Mapping[str, Knob | None], owner: str, place: Place, problems: Problems
+) -> Value | None:
+    """The parameter's value, or None where it is not right. ``owner`` is its name in messages (``lines.rho``)."""
+    before = problems.errors
+    value: Value
+    if isinstance(raw, dict) and ("from" in raw or "curve" in raw or param.kind != "custom"):
+        if not _shape_fits(raw, param, place, problems):
+            return None
+        if "curve" in raw:
+            value = Curve(_curve(param, raw["curve"], (*place, "curve"), problems), param.kind == "int")
+        else:
+            value = _from_knob(param, raw, knobs, owner, place, problems)
+    else:
+        _check(param, raw, place, problems)
+        value = Literal(raw)
+    return value if problems.errors == before else None
+
+
+def _shape_fits(raw: dict[str, Any], param: Param, place: Place, problems: Problems) -> bool:
+    """One of ``from`` and ``curve``; ``map`` beside ``from``; nothing else."""
+    fits = True
+    for key in raw.keys() - {"from", "map", "curve"}:
+        hint = problems.near(key, ("from", "map", "curve"))
+        problems.add(
+            "unknown-key", (*place, key), show(key), f"{param.expected}; or an object with from or curve", hint
+        )
+        fits = False
+    if fits and not ("from" in raw) ^ ("curve" in raw):
+        found = "both from and curve" if raw.keys() >= {"from", "curve"} else show(raw)
+        problems.add("bad-value", place, found, f"{param.expected}; or an object with from or curve")
+        return False
+    if fits and "map" in raw and "from" not in raw:
+        problems.add("unknown-key", (*place, "map"), "'map' beside a curve", "map beside from only")
+        return False
+    return fits
+
+
+def _check(param: Param, value: Any, place: Place, problems: Problems) -> None:
+    wrong = param.problem(value)
+    if wrong:
+        hint = problems.near(value, param.choices) if param.choices else ""
+        if param.kind in ("string", "file") and wrong[0] == "wrong-type":
+            hint = f"a text stands in quotes: {_quoted(value)}" if isinstance(value, int | float) else ""
+        problems.add(wrong[0], place, show(value), wrong[1], hint)
+
+
+def _quoted(value: Any) -> str:
+    return show(show(value))
+
+
+def _from_knob(
+    param: Param, raw: dict[str, Any], knobs: Mapping[str, Knob | None], owner: str, place: Place, problems: Problems
+) -> FromKnob:
+    name = raw["from"]
+    knob = None
+    if not isinstance(name, str):
+        problems.add("wrong-type", (*place, "from"), show(name), "the name of a knob")
+    elif name not in knobs:
+        problems.add("unknown-param", (*place, "from"), show(name), "a knob of this graph", problems.near(name, knobs))
+    else:
+        knob = knobs[name]
+    if "map" not in raw:
+        if knob is not None:
+            check_drives(knob, param, owner, place, problems)
+        return FromKnob(str(name))
+    if not param.numeric:
+        problems.add("wrong-type", (*place, "map"), "a map", f"no map: only numbers take one; {param.expected}")
+    elif knob is not None and knob.type not in ("float", "int"):
+        problems.add(
+            "wrong-type", (*place, "from"), f"knob {name!r} of type {knob.type}", "a knob of type float or int"
+        )
+    points = _map(param, raw["map"], (*place, "map"), problems) if param.numeric else ()
+    return FromKnob(str(name), points, param.kind == "int")
+
+
+def _map(param: Param, raw: Any, place: Place, problems: Problems) -> tuple[tuple[float, float], ...]:
+    """[[x, y], ...]: x increasing, y good for the parameter."""
+    if not isinstance(raw, list):
+        problems.add("wrong-type", place, show(raw), "a list of [x, y] points")
+        return ()
+    if len(raw) < 2:
+        problems.add("bad-value", place, show(raw), "a list of two points [x, y] at least")
+        return ()
+    points: list[tuple[float, float]] = []
+    for i, point in enumerate(raw):
+        if not isinstance(point, list) or len(point) != 2 or not NUMBER.fits(point[0]):
+            problems.add("wrong-type", (*place, i), show(point), "a point [x, y] of two numbers")
+            continue
+        x, y = point
+        if points and x <= points[-1][0]:
+            problems.add("bad-value", (*place, i, 0), show(x), f"x greater than the point before's, {points[-1][0]:g}")
+        if NUMBER.fits(y):
+            _check(param, y, (*place, i, 1), problems)
+            points.append((x, y))
+        else:
+            problems.add("wrong-type", (*place, i, 1), show(y), param.expected)
+    return tuple(points)
+
+
+def _curve(param: Param, raw: Any, place: Place, problems: Problems) -> tuple[tuple[int, float], ...]:
+    """{"frame": value, ...}, in the order of the frames."""
+    if not param.numeric:
+        problems.add("wrong-type", place, "a curve", f"no curve: only numbers take one; {param.expected}")
+        return ()
+    if not isinstance(raw, dict):
+        problems.add("wrong-type", place, show(raw), 'an object from frame to value, such as {"1001": 0.98, "1100": 1}')
+        return ()
+    if not raw:
+        problems.add("bad-value", place, "a curve without keys", "one key at least")
+    keys = []
+    for frame, value in raw.items():
+        if not FRAME.fullmatch(frame):
+            problems.add("bad-value", (*place, frame), show(frame), "a frame: a whole number of at most 9 digits")
+        elif NUMBER.fits(value):
+            _check(param, value, (*place, frame), problems)
+            keys.append((int(frame), value))
+        else:
+            problems.add("wrong-type", (*place, frame), show(value), param.expected.removesuffix(", or null"))
+    return tuple(sorted(keys))

@@ -1,0 +1,162 @@
+"""What is wrong with a graph: one :class:`Problem` for each mistake, all of them in one :class:`GraphError`."""
+
+from __future__ import annotations
+
+import difflib
+import json
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from flowabs_nodes.errors import FlowabsError
+
+#: Where something is in a document: the keys and indices that lead there.
+Place = tuple[str | int, ...]
+
+#: Every code a problem can have. The last one is a warning, the others are errors.
+CODES = (
+    "bad-json",
+    "too-big",
+    "newer-version",
+    "unknown-key",
+    "duplicate-key",
+    "unknown-type",
+    "unknown-param",
+    "unknown-input",
+    "unknown-output",
+    "unknown-node",
+    "missing-input",
+    "missing-param",
+    "wrong-type",
+    "bad-value",
+    "out-of-range",
+    "cycle",
+    "unused-node",
+)
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One mistake in a graph file.
+
+    Attributes
+    ----------
+    code
+        One of :data:`CODES`.
+    pointer
+        Where, as a JSON Pointer (RFC 6901); what is missing is pointed at where it should be. A value that came with
+        ``--set`` is pointed at as ``--set name``.
+    found, expected
+        What stands there and what should, in words.
+    hint
+        The nearest right name, or what to do; may be empty.
+    warning
+        True for what does not keep the graph from running.
+    """
+
+    code: str
+    pointer: str
+    found: str
+    expected: str
+    hint: str = ""
+    warning: bool = False
+
+    def to_dict(self) -> dict[str, Any]:
+        """The same as plain data, for ``--json``; ``warning`` is there only where it is true."""
+        fields = {"code": self.code, "pointer": self.pointer, "found": self.found, "expected": self.expected}
+        return {**fields, "hint": self.hint, **({"warning": True} if self.warning else {})}
+
+    def __str__(self) -> str:
+        rows = [f"{self.code}{' (warning)' if self.warning else ''}  {self.pointer or 'the whole file'}"]
+        rows += [f"  found     {self.found}", f"  expected  {self.expected}"]
+        if self.hint:
+            rows.append(f"  hint      {self.hint}")
+        return "\n".join(rows)
+
+
+class GraphError(FlowabsError):
+    """A graph is not valid. ``problems`` holds everything that is wrong with it, warnings included."""
+
+    code = "bad-graph"
+
+    def __init__(self, problems: Iterable[Problem], *, file: str | None = None) -> None:
+        self.problems = tuple(problems)
+        count = sum(not problem.warning for problem in self.problems)
+        blocks = "\n\n".join(str(problem) for problem in self.problems)
+        super().__init__(f"{count} {'problem' if count == 1 else 'problems'} in the graph\n\n{blocks}", file=file)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The same as plain data, each problem by itself."""
+        count = sum(not problem.warning for problem in self.problems)
+        summary = {**super().to_dict(), "message": f"{count} {'problem' if count == 1 else 'problems'} in the graph"}
+        return {**summary, "problems": [problem.to_dict() for problem in self.problems]}
+
+
+class Problems:
+    """Collects problems while a document is read.
+
+    A place that is known to be wrong may be :meth:`silenced <silence>`: what follows from it is then not said again.
+    Memory and time stay bounded with a hostile file: one problem more than :attr:`most` raises GraphError, and names
+    are compared for hints only as long as :attr:`comparisons` last.
+    """
+
+    most = 10_000
+    comparisons = 20_000
+
+    def __init__(self) -> None:
+        self.found: list[Problem] = []
+        self.errors = 0  # how many of them are no warnings
+        self._silent: set[Place] = set()
+
+    def add(self, code: str, place: Place, found: str, expected: str, hint: str = "", *, warning: bool = False) -> None:
+        """Note a problem, unless its place, or one above it, is silenced."""
+        if self._silent and any(place[:depth] in self._silent for depth in range(len(place) + 1)):
+            return
+        self.room_for(1)
+        self.errors += not warning
+        self.found.append(Problem(code, pointer(place), found, expected, hint, warning))
+
+    def room_for(self, count: int) -> None:
+        """Raise GraphError where so many problems more would be too many."""
+        if len(self.found) + count > self.most:
+            raise GraphError(
+                [Problem("too-big", "", f"more than {self.most} problems", "fewer; the rest is not listed")]
+            )
+
+    def silence(self, place: Place) -> None:
+        """Say nothing more about this place and all below it."""
+        self._silent.add(place)
+
+    def closest(self, name: object, known: Collection[str]) -> str | None:
+        """The known name that this one was probably meant to be."""
+        self.comparisons -= len(known)
+        close = difflib.get_close_matches(str(name)[:200], known, 1) if self.comparisons >= 0 else []
+        return close[0] if close else None
+
+    def near(self, name: object, known: Collection[str]) -> str:
+        """A hint: the closest known name; all of them where none is close and they are few."""
+        close = self.closest(name, known)
+        if close is not None:
+            return f"did you mean {close!r}?"
+        return "known: " + ", ".join(known) if 0 < len(known) <= 24 else ""
+
+
+def pointer(place: Place) -> str:
+    """The place as a JSON Pointer (RFC 6901); "" is the whole document."""
+    return "".join("/" + str(key).replace("~", "~0").replace("/", "~1") for key in place)
+
+
+def show(value: Any) -> str:
+    """A value as it stands in the file, shortened to fit a line."""
+    if isinstance(value, dict):
+        whole = json.dumps(value) if len(value) <= 4 and _flat(value.values()) else ""
+        return whole if whole and len(whole) <= 80 else f"an object with {len(value)} keys"
+    if isinstance(value, list):
+        whole = json.dumps(value) if len(value) <= 8 and _flat(value) else ""
+        return whole if whole and len(whole) <= 80 else f"a list of {len(value)}"
+    text = json.dumps(value[:200] if isinstance(value, str) else value, ensure_ascii=False)
+    return text if len(text) <= 80 else text[:76] + " ..."
+
+
+def _flat(values: Iterable[Any]) -> bool:
+    return all(not isinstance(value, dict | list) and len(str(value)[:100]) < 60 for value in values)

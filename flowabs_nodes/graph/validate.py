@@ -1,0 +1,121 @@
+"""From a document to a graph: every problem in one go, each mistake reported once.
+
+What follows from a mistake is not said again: a node of unknown type has neither unknown parameters nor wrong links, a
+link that leads nowhere is not a missing input, and a broken knob drives anything.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from flowabs_nodes.graph import shape
+from flowabs_nodes.graph.knobs import read_knobs
+from flowabs_nodes.graph.links import add_unused, check_links, read_links
+from flowabs_nodes.graph.model import Graph, GraphNode, Knob, Link
+from flowabs_nodes.graph.parameters import read_value
+from flowabs_nodes.graph.problems import Place, Problems, show
+from flowabs_nodes.graph.upgrade import upgrade_format, upgrade_node
+from flowabs_nodes.graph.values import Value
+from flowabs_nodes.nodes.declare import Node
+
+MOST_NODES = 10_000
+
+
+def validate(document: Any, catalogue: Mapping[str, Node], problems: Problems, source: str = "") -> Graph | None:
+    """The graph, or None where there is any error. The document is plain data, and brought up to date in place."""
+    if not isinstance(document, dict):
+        problems.add("wrong-type", (), show(document), "an object with format and nodes")
+        return None
+    notes: list[str] = []
+    upgraded = upgrade_format(document, problems, notes)
+    if upgraded is None:
+        return None
+    top = shape.fields(upgraded, (), shape.GRAPH, problems, required=("nodes",))
+    height = top.get("reference_height")
+    if height is not None and height <= 0:
+        problems.add("out-of-range", ("reference_height",), show(height), "a height in pixels above 0")
+    knobs = read_knobs(top.get("interface", {}), problems)
+    raw_nodes = top.get("nodes", {})
+    if len(raw_nodes) > MOST_NODES:
+        problems.add("too-big", ("nodes",), f"{len(raw_nodes)} nodes", f"at most {MOST_NODES}")
+        return None
+    nodes = _read_nodes(raw_nodes, catalogue, knobs, problems, notes)
+    if problems.errors:
+        return None
+    return Graph(
+        name=top.get("name", ""),
+        description=top.get("description", ""),
+        reference_height=height,
+        interface={name: knob for name, knob in knobs.items() if knob is not None},
+        nodes=nodes,
+        ui=top.get("ui", {}),
+        document=upgraded,
+        source=source,
+        notes=tuple(notes),
+        warnings=tuple(problem for problem in problems.found if problem.warning),
+    )
+
+
+def _read_nodes(
+    raw_nodes: dict[str, Any],
+    catalogue: Mapping[str, Node],
+    knobs: Mapping[str, Knob | None],
+    problems: Problems,
+    notes: list[str],
+) -> dict[str, GraphNode]:
+    place: Place = ("nodes",)
+    bodies: dict[str, dict[str, Any]] = {}
+    declarations: dict[str, Node | None] = {}
+    for name, raw in shape.named(raw_nodes, place, "a node's name", problems).items():
+        body = shape.fields(raw, (*place, name), shape.NODE, problems, required=("type",))
+        written = body.get("type")
+        declarations[name] = upgrade_node(body, (*place, name), catalogue, problems, notes) if written else None
+        if body.get("type") != written:
+            raw.update(body)  # the document shows what was read
+        bodies[name] = body
+    params: dict[str, dict[str, Value]] = {}
+    links: dict[str, dict[str, Link]] = {}
+    unlinked = False
+    for name, body in bodies.items():
+        here = (*place, name)
+        declaration = declarations[name]
+        if declaration is not None:
+            params[name] = _read_params(name, declaration, body.get("params", {}), knobs, (*here, "params"), problems)
+        before = problems.errors
+        links[name] = read_links(name, body.get("inputs", {}), declarations, (*here, "inputs"), problems)
+        unlinked |= declaration is None or problems.errors > before
+    order = check_links(declarations, links, problems)
+    if not unlinked:  # else what seems to be needed by nothing may be what a broken link meant
+        add_unused(order, declarations, links, problems)
+    nodes = {name: declarations[name] for name in order}
+    return {name: GraphNode(name, node, links[name], params[name]) for name, node in nodes.items() if node is not None}
+
+
+def _read_params(
+    node: str,
+    declaration: Node,
+    raw: dict[str, Any],
+    knobs: Mapping[str, Knob | None],
+    place: Place,
+    problems: Problems,
+) -> dict[str, Value]:
+    """The parameters that are set. A name the node has not stands for the one it is closest to: that is one mistake."""
+    declared = declaration.all_params
+    values: dict[str, Value] = {}
+    # A file may also be set when the graph is run.
+    missing = [name for name, param in declared.items() if param.required and param.kind != "file" and name not in raw]
+    for name, item in raw.items():
+        if name in declared:
+            value = read_value(declared[name], item, knobs, f"{node}.{name}", (*place, name), problems)
+            if value is not None:
+                values[name] = value
+        else:
+            unset = [other for other in declared if other not in raw]
+            meant = problems.closest(name, unset)
+            hint = f"did you mean {meant!r}?" if meant else f"`flowabs nodes {declaration.type}` lists them"
+            problems.add("unknown-param", (*place, name), show(name), f"a parameter of {declaration.name}", hint)
+            missing = [other for other in missing if other != meant]
+    for name in missing:
+        problems.add("missing-param", (*place, name), "nothing", declared[name].expected)
+    return values

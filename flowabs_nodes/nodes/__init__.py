@@ -1,0 +1,5 @@
+"""Declarations of nodes, and the catalogue of all that are installed."""
+
+from flowabs_nodes.nodes.registry import catalogue, load_problems
+
+__all__ = ["catalogue", "load_problems"]

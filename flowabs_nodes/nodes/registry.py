@@ -1,0 +1,87 @@
+"""The catalogue: the nodes that come with the package, and those that other packages add by entry point.
+
+A package adds nodes with an entry point of the group ``flowabs.nodes`` that names a :class:`Node` or several. What
+cannot be loaded, is declared wrongly, or takes a name that is taken, is left out and reported, and stops nothing.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterable
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
+from types import MappingProxyType
+
+from flowabs_nodes.errors import nearest
+from flowabs_nodes.image import PORT_TYPES
+from flowabs_nodes.nodes.declare import Node
+
+GROUP = "flowabs.nodes"
+
+
+def catalogue() -> dict[str, Node]:
+    """Every installed node by type: first those of the package, in its order, then the others by package."""
+    return dict(_load()[0])
+
+
+def load_problems() -> dict[str, str]:
+    """Why nodes of other packages are not in the catalogue, by "package: entry point"."""
+    return dict(_load()[1])
+
+
+@cache
+def _load() -> tuple[MappingProxyType[str, Node], MappingProxyType[str, str]]:
+    builtin: tuple[Node, ...] = importlib.import_module("flowabs_nodes.nodes.builtin").NODES
+    nodes = {node.type: node for node in builtin}
+    owners = dict.fromkeys(nodes, "flowabs-nodes")
+    problems: dict[str, str] = {}
+    points = entry_points(group=GROUP)
+    for point in sorted(points, key=lambda point: (_package(point), point.name)):
+        where = f"{_package(point)}: {point.name}"
+        try:
+            added = _load_nodes(point)
+        except Exception as error:  # noqa: BLE001 - another package's import may fail in any way; it is reported, not hidden
+            problems[where] = f"{type(error).__name__}: {error}"
+            continue
+        wrong = [fault for node in added for fault in faults(node)]
+        wrong += [f"{node.type!r} is already a node of {owners[node.type]}" for node in added if node.type in owners]
+        if wrong:
+            problems[where] = "; ".join(wrong)
+        else:
+            nodes.update({node.type: node for node in added})
+            owners.update({node.type: _package(point) for node in added})
+    return MappingProxyType(nodes), MappingProxyType(problems)
+
+
+def _package(point: EntryPoint) -> str:
+    return point.dist.name if point.dist is not None else point.value.partition(".")[0]
+
+
+def _load_nodes(point: EntryPoint) -> tuple[Node, ...]:
+    loaded = point.load()
+    nodes = (loaded,) if isinstance(loaded, Node) else tuple(loaded) if isinstance(loaded, Iterable) else (loaded,)
+    for node in nodes:
+        if not isinstance(node, Node):
+            raise TypeError(f"{point.value} is {type(node).__name__}, not a Node or several")
+    return nodes
+
+
+def faults(node: Node) -> list[str]:
+    """What is wrong with a declaration: port types that there are not, defaults outside their own range."""
+    found = []
+    for port in (*node.inputs, *filter(None, [node.extra_inputs])):
+        found += [
+            f"{node.type}: input {port.name!r} of type {kind!r}; {nearest(kind, PORT_TYPES)}"
+            for kind in port.accepts or (port.types,)
+            if kind not in PORT_TYPES
+        ]
+    for port in node.outputs:
+        if port.same_as is not None and port.same_as not in node.all_inputs:
+            found.append(f"{node.type}: output {port.name!r} is of the type of {port.same_as!r}, which is no input")
+        elif port.same_as is None and port.types not in PORT_TYPES:
+            found.append(f"{node.type}: output {port.name!r} of type {port.types!r}; {nearest(port.types, PORT_TYPES)}")
+    for param in node.params:
+        wrong = None if param.required else param.problem(param.default)
+        if wrong:
+            found.append(f"{node.type}: default of {param.name!r}, {param.default!r}, is not {wrong[1]}")
+    return found
