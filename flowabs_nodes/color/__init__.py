@@ -1,4 +1,7 @@
-"""Code values, and where a file's colour space comes from (DESIGN 4.1, 4.2, 10). Importing this imports no kernel."""
+"""Code values, and where a file's colour space comes from (DESIGN 4.1, 4.2, 10).
+
+Each name is imported when it is first asked for: this package alone imports neither numba nor OpenImageIO.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,8 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from flowabs_nodes.color import ocio
+    from flowabs_nodes.color.chromaticities import chromaticities_of, space_from_chromaticities
     from flowabs_nodes.color.codes import decode, encode, encode_mono
     from flowabs_nodes.color.detection import Detected, detect
     from flowabs_nodes.color.lightness import lstar, lstar_inverse, luminance
@@ -15,22 +20,25 @@ if TYPE_CHECKING:
 SPACES = ("lab", "acescct")
 
 _HOMES = {
+    "ColorSpace": "spaces",
+    "Detected": "detection",
+    "chromaticities_of": "chromaticities",
     "decode": "codes",
+    "detect": "detection",
     "encode": "codes",
     "encode_mono": "codes",
-    "Detected": "detection",
-    "detect": "detection",
     "lstar": "lightness",
     "lstar_inverse": "lightness",
     "luminance": "lightness",
-    "ColorSpace": "spaces",
     "space": "spaces",
+    "space_from_chromaticities": "chromaticities",
 }
 
 __all__ = [
     "SPACES",
     "ColorSpace",
     "Detected",
+    "chromaticities_of",
     "decode",
     "detect",
     "encode",
@@ -38,15 +46,17 @@ __all__ = [
     "lstar",
     "lstar_inverse",
     "luminance",
+    "ocio",
     "space",
+    "space_from_chromaticities",
 ]
 
 
 def __getattr__(name: str) -> Any:
+    if name == "ocio":
+        return importlib.import_module(f"{__name__}.ocio")
     if name in _HOMES:
         value = getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
         globals()[name] = value
         return value
-    if name == "ocio":
-        return importlib.import_module(f"{__name__}.ocio")
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

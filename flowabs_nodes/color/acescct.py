@@ -24,14 +24,14 @@ WHITE = f32(255)
 
 
 @numba.njit(error_model="numpy")
-def _code(x: f32) -> f32:
+def _code(x: np.float32) -> np.float32:
     # (log2 x + 9.72) / 17.52 of the standard, counted from white: exact there, and as exact near it as float32 is.
     above = WHITE + PER_STOP * log2(x)
     return above if x > X_BREAK else TOE_OFFSET + TOE_SLOPE * x
 
 
 @numba.njit(error_model="numpy")
-def _linear(code: f32) -> f32:
+def _linear(code: np.float32) -> np.float32:
     above = exp2((code - WHITE) * f32(1 / PER_STOP))
     return above if code > Y_BREAK else (code - TOE_OFFSET) * f32(1 / TOE_SLOPE)
 

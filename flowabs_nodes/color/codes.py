@@ -1,6 +1,6 @@
 """Code values: scene-linear RGB in an encoding where diffuse white is 255, and back (DESIGN 4.1).
 
-The paper's parameters only mean something on 0..255, so this is what filters see. Highlights go on above 255 and negative
+The paper's parameters only mean something on 0..255, so this is what filters see. Highlights go on above 255, negative
 colours below 0: every finite HDR value has a place and comes back.
 """
 
@@ -28,9 +28,9 @@ def encode(rgb: npt.ArrayLike, space: str = "lab", colorspace: ColorSpace | str 
     rgb
         (H, W, 3), any finite numbers; white is 1. Not premultiplied.
     space
-        "lab": CIE L*a*b* x 2.55, XYZ over the space's own white: L* 0..255, a* = b* = 0 on neutrals; the cube root goes on
-        above white, the toe's line below zero. "acescct": ACEScct of each AP1 channel x 255 / ACEScct(1), about 24 codes a
-        stop; the plate's white is adapted to AP1's by Bradford.
+        "lab": CIE L*a*b* x 2.55, of XYZ over the space's own white: L* 0..255, a* = b* = 0 on neutrals. The cube root
+        goes on above white, the toe's line below zero; or "acescct": ACEScct of each AP1 channel x 255 / ACEScct(1),
+        26 codes a stop, white adapted to AP1's by Bradford, the line going on below zero.
     colorspace
         What RGB is: a :class:`ColorSpace` or its name.
 
@@ -73,8 +73,8 @@ def decode(codes: npt.ArrayLike, space: str = "lab", colorspace: ColorSpace | st
 def encode_mono(rgb: npt.ArrayLike, space: str = "lab", colorspace: ColorSpace | str = "lin_rec709") -> Array:
     """Scene-linear RGB to the code value of its lightness, with the parameters and errors of :func:`encode`.
 
-    Returns (H, W) float32: L* x 2.55, the same bits as ``encode(...)[..., 0]``; or ACEScct of the AP1 luminance (the second
-    row of AP1's matrix to XYZ) x 255 / ACEScct(1).
+    Returns (H, W) float32: L* x 2.55, the same bits as ``encode(...)[..., 0]``; or ACEScct of the AP1 luminance (the
+    second row of AP1's matrix to XYZ) x 255 / ACEScct(1).
     """
     forward, _, to_luminance = _matrices(_checked(space), find_space(colorspace))
     source = _pixels("rgb", rgb)
@@ -91,7 +91,11 @@ def encode_mono(rgb: npt.ArrayLike, space: str = "lab", colorspace: ColorSpace |
 def _matrices(space: str, colorspace: ColorSpace) -> tuple[Rows, Rows, Rows]:
     """To the space's primaries, back, and to XYZ over the white by way of AP1 (its second row is the AP1 luminance)."""
     matrix = normalised(colorspace) if space == "lab" else to_ap1(colorspace)
-    return rows(matrix), rows(np.linalg.inv(matrix)), rows(normalised(KNOWN["lin_ap1_scene"]) @ to_ap1(colorspace))
+    return (
+        rows(matrix),
+        rows(np.asarray(np.linalg.inv(matrix), np.float64)),
+        rows(normalised(KNOWN["lin_ap1_scene"]) @ to_ap1(colorspace)),
+    )
 
 
 def _checked(space: str) -> str:

@@ -93,8 +93,8 @@ CHROMATICITIES: Final[dict[str, tuple[float, ...]]] = {
 #: Cone responses of Bradford's chromatic adaptation: ``colour.CHROMATIC_ADAPTATION_TRANSFORMS["Bradford"]``.
 BRADFORD: Final[Matrix] = (0.8951, 0.2664, -0.1614, -0.7502, 1.7135, 0.0367, 0.0389, -0.0685, 1.0296)
 
-#: ACEScct (Academy S-2016-001): ``colour.models.rgb.transfer_functions.aces.CONSTANTS_ACES_CCT``. Up to ``X_BRK`` it is the
-#: line A x + B, above it (log2 x + 9.72) / 17.52.
+#: ACEScct (Academy S-2016-001), from ``colour.models.rgb.transfer_functions.aces.CONSTANTS_ACES_CCT``. Up to ``X_BRK``
+#: it is the line A x + B, above it (log2 x + 9.72) / 17.52.
 ACESCCT_X_BRK: Final = 0.0078125
 ACESCCT_Y_BRK: Final = 0.155251141552511
 ACESCCT_A: Final = 10.5402377416545

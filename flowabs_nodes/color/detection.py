@@ -1,4 +1,4 @@
-"""Where the colour space of a file comes from (DESIGN 10)."""
+"""Where the colour space of a file comes from: parameter, tag, chromaticities, then linear Rec.709 (DESIGN 10)."""
 
 from __future__ import annotations
 
@@ -6,19 +6,108 @@ from typing import NamedTuple
 
 import OpenImageIO as oiio
 
+from flowabs_nodes.color.chromaticities import space_from_chromaticities
+from flowabs_nodes.color.config import config
+from flowabs_nodes.color.named import find
 from flowabs_nodes.color.spaces import ColorSpace, space
+from flowabs_nodes.errors import ColorError
+
+#: Before 3.1, OpenImageIO calls the colours of nearly every EXR "lin_rec709", whatever its header says.
+_OIIO_INVENTS_TAGS = oiio.VERSION < 30100
 
 
 class Detected(NamedTuple):
-    """A file's scene-linear space, how it was found (a sentence for the log), and its encoding if that is not linear."""
+    """The scene-linear space to work in, where it came from, and what to linearise from.
+
+    ``how`` is for the log: "chromaticities: lin_ap0_scene". ``encoding`` is the OCIO name that the file's pixels are
+    encoded in (:func:`flowabs_nodes.color.ocio.linearize`), None where they are scene-linear already.
+    """
 
     space: ColorSpace
     how: str
     encoding: str | None = None
 
 
-def detect(spec: oiio.ImageSpec, given: str = "auto", ocio: str | None = None, default: str = "lin_rec709") -> Detected:
-    """The colour space of a file with this header."""
-    if given != "auto":
-        return Detected(space(given), f"given: {given}")
-    return Detected(space(default), f"no tag in the file: {default}")
+def detect(
+    spec: oiio.ImageSpec,
+    given: ColorSpace | str = "auto",
+    ocio: str | None = None,
+    default: ColorSpace | str = "lin_rec709",
+    *,
+    display_referred: bool = False,
+) -> Detected:
+    """The colour space of a file with this header.
+
+    Parameters
+    ----------
+    spec
+        The header.
+    given
+        What somebody says it is: any OCIO name; "auto" asks the header.
+    ocio
+        The OCIO config that names are looked up in; None is the pinned one.
+    default
+        The scene-linear space of a file that says nothing.
+    display_referred
+        True for pictures of a kind that is meant to be looked at (PNG, JPEG, TIFF of whole numbers): sRGB unless they
+        say else.
+
+    Raises
+    ------
+    ColorError
+        If ``given`` or ``default`` is no colour space, or the config cannot be read. Never for what stands in a file:
+        a tag or chromaticities that mean nothing are passed over, and ``how`` says so.
+    """
+    if ocio is not None:
+        config(ocio)
+    fallback = space(default, ocio)
+    if isinstance(given, ColorSpace):
+        return Detected(given, f"given: {given}")
+    if given and given != "auto":
+        return _named(given, "given", fallback, ocio)
+
+    passed_over = []
+    profile = _text(spec, "ICCProfile:profile_description")
+    if display_referred and profile and "srgb" not in profile.lower():
+        passed_over.append(f"its ICC profile {profile!r} is not used")
+    tags = [(tag, _text(spec, tag)) for tag in ("colorInteropID", "oiio:ColorSpace")]
+    if _OIIO_INVENTS_TAGS:
+        tags = [(tag, name) for tag, name in tags if (tag, name) != ("oiio:ColorSpace", "lin_rec709")]
+    for tag, name in tags:
+        if not name or name.lower() == "unknown":
+            continue
+        try:
+            found = _named(name, tag, fallback, ocio)
+            return found._replace(how="; ".join([found.how, *passed_over]))
+        except ColorError as error:
+            if error.code == "bad-ocio-config":
+                raise
+            passed_over.append(f"{tag} {name!r} means nothing here")
+    values = spec.getattribute("chromaticities")
+    if values is not None:
+        try:
+            primaries = space_from_chromaticities(values[0:2], values[2:4], values[4:6], values[6:8])
+            return Detected(primaries, "; ".join([f"chromaticities: {primaries}", *passed_over]))
+        except (ColorError, TypeError, ValueError):
+            passed_over.append("its chromaticities are no colour space")
+    if display_referred:
+        return Detected(space("lin_rec709"), "; ".join(["no tag in the file: sRGB", *passed_over]), "srgb_rec709_scene")
+    return Detected(fallback, "; ".join([f"no tag in the file: {fallback}", *passed_over]))
+
+
+def _named(name: str, source: str, fallback: ColorSpace, ocio: str | None) -> Detected:
+    found = find(name, ocio)
+    if found.kind == "linear":
+        return Detected(found.space, f"{source}: {name}")
+    if found.kind == "data":
+        return Detected(fallback, f"{source}: {name}, no colour: taken as {fallback}")
+    return Detected(found.space, f"{source}: {name}, brought to {found.space}", name)
+
+
+def _text(spec: oiio.ImageSpec, name: str) -> str:
+    """A text attribute; empty where it is missing, something else, or no UTF-8."""
+    try:
+        value = spec.getattribute(name)
+    except UnicodeDecodeError:
+        return ""
+    return value if isinstance(value, str) else ""

@@ -1,7 +1,7 @@
 """CIE 1976 L*a*b* (CIE 15:2004) in code values, x 2.55: kernels.
 
-The kernels work with g = f - 16/116 instead of CIE's f: then L* = 116 g(Y), the toe is g = kappa/116 x without an offset to
-cancel against, and black, tiny and negative values keep all their digits.
+The kernels work with g = f - 16/116 instead of CIE's f: then L* = 116 g(Y), the toe is g = kappa/116 x without an
+offset to cancel against, and black, tiny and negative values keep all their digits.
 
 Arrays are (H, 3 W) or (H, W) float32, each row one run of memory (numba then vectorises over pixels).
 """
@@ -27,13 +27,13 @@ B = f32(2.55 * 200)
 
 
 @numba.njit(error_model="numpy")
-def _g(x: f32) -> f32:
+def _g(x: np.float32) -> np.float32:
     above = cube_root(x) - OFFSET
     return above if x > EPSILON else SLOPE * x
 
 
 @numba.njit(error_model="numpy")
-def _g_inverse(g: f32) -> f32:
+def _g_inverse(g: np.float32) -> np.float32:
     f = g + OFFSET
     return f * f * f if g > G_EPSILON else g * f32(1 / SLOPE)
 

@@ -17,8 +17,8 @@ _EPSILON, _KAPPA = np.float32(LAB_EPSILON), np.float32(LAB_KAPPA)
 def luminance(rgb: npt.ArrayLike, colorspace: ColorSpace | str = "lin_rec709") -> Array:
     """Relative luminance of scene-linear RGB: Y of CIE XYZ, 1 for white.
 
-    ``rgb`` (..., 3), usually (H, W, 3); returns (...) float32. On neutrals it is exactly their value. Raises ArgumentError
-    for another shape, ColorError for a colour space that is not known.
+    ``rgb`` (..., 3), usually (H, W, 3); returns (...) float32; of a neutral exactly its value. Raises ArgumentError for
+    another shape, ColorError for a colour space that is not known.
     """
     pixels = np.asarray(rgb, np.float32)
     if pixels.ndim == 0 or pixels.shape[-1] != 3:

@@ -1,6 +1,10 @@
 """3x3 matrices whose rows sum to 1, in a form that keeps neutrals neutral to the last bit.
 
-A row m0 r + m1 g + m2 b with m0 + m1 + m2 = 1 is r + m1 (g - r) + m2 (b - r): where r = g = b nothing is left to round. Each row starts from its own channel (the first from r, the second from g, the third from b), usually its largest.
+A row m0 r + m1 g + m2 b with m0 + m1 + m2 = 1 is r + m1 (g - r) + m2 (b - r): where r = g = b nothing is left to round.
+Each row starts from its own channel: the first from r, the second from g, the third from b, usually its largest.
+
+The products are made in float64 registers: saturated colours of wide gamuts (AP0's blue) cancel in Y, where L* is
+steep.
 """
 
 from __future__ import annotations
@@ -21,7 +25,7 @@ def rows(matrix: npt.NDArray[np.float64]) -> Rows:
 
 
 @numba.njit(error_model="numpy")
-def mix(m: Rows, r: f32, g: f32, b: f32) -> tuple[f32, f32, f32]:
+def mix(m: Rows, r: float, g: float, b: float) -> tuple[np.float32, np.float32, np.float32]:
     """The matrix times (r, g, b)."""
     r, g, b = f64(r), f64(g), f64(b)
     return (
@@ -32,6 +36,6 @@ def mix(m: Rows, r: f32, g: f32, b: f32) -> tuple[f32, f32, f32]:
 
 
 @numba.njit(error_model="numpy")
-def not_finite(r: f32, g: f32, b: f32) -> bool:
+def not_finite(r: float, g: float, b: float) -> bool:
     """True where any of the three is NaN or Inf (x - x is 0 for all other numbers)."""
     return (r - r) + (g - g) + (b - b) != f32(0)

@@ -1,4 +1,4 @@
-"""Scene-linear RGB spaces: their names, their matrices to CIE XYZ and to AP1."""
+"""Scene-linear RGB spaces: their names, their matrices to CIE XYZ, to AP1 and to each other."""
 
 from __future__ import annotations
 
@@ -14,9 +14,18 @@ from flowabs_nodes.errors import ColorError, nearest
 Float64 = npt.NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ColorSpace:
-    """A scene-linear RGB space: its OCIO name, and its matrix to CIE XYZ as nine numbers, row by row."""
+    """A scene-linear RGB space.
+
+    Attributes
+    ----------
+    name
+        Its name in the pinned OCIO config or the Color Interop Forum's list, such as "lin_rec709";
+        "chromaticities(...)" for primaries that have none. :func:`space` finds it again by this name.
+    to_xyz
+        RGB to CIE XYZ (Y of white = 1) as nine numbers, row by row.
+    """
 
     name: str
     to_xyz: Matrix
@@ -24,43 +33,108 @@ class ColorSpace:
     def __str__(self) -> str:
         return self.name
 
+    def __repr__(self) -> str:
+        return f"ColorSpace({self.name!r})"
 
-#: name -> (colour-science's name, other names people and files use).
-_KNOWN: dict[str, tuple[str, tuple[str, ...]]] = {
-    "lin_rec709": ("ITU-R BT.709", ("lin_rec709_scene", "lin_srgb", "Linear Rec.709 (sRGB)", "linear")),
-    "lin_ap1_scene": ("ACEScg", ("lin_ap1", "acescg", "ACEScg")),
-    "lin_ap0_scene": ("ACES2065-1", ("lin_ap0", "aces", "ACES2065-1")),
+    @property
+    def interop_id(self) -> str | None:
+        """Its Color Interop ID, what EXR's ``colorInteropID`` holds; None for a space that has none."""
+        return None if self.name not in KNOWN else "lin_rec709_scene" if self.name == "lin_rec709" else self.name
+
+
+#: Our name -> (colour-science's name, other names people and files use).
+SOURCES: dict[str, tuple[str, tuple[str, ...]]] = {
+    "lin_rec709": (
+        "ITU-R BT.709",
+        ("lin_rec709_scene", "lin_rec709_srgb", "lin_srgb", "Linear Rec.709 (sRGB)", "Linear Rec.709", "linear"),
+    ),
+    "lin_ap1_scene": ("ACEScg", ("lin_ap1", "ACEScg", "ACES - ACEScg")),
+    "lin_ap0_scene": ("ACES2065-1", ("lin_ap0", "aces", "aces2065_1", "ACES2065-1", "ACES - ACES2065-1")),
     "lin_rec2020_scene": ("ITU-R BT.2020", ("lin_rec2020", "Linear Rec.2020")),
-    "lin_p3d65_scene": ("P3-D65", ("lin_p3d65", "Linear P3-D65")),
+    "lin_p3d65_scene": ("P3-D65", ("lin_p3d65", "lin_displayp3", "Linear P3-D65", "Linear Display P3")),
     "lin_adobergb_scene": ("Adobe RGB (1998)", ("lin_adobergb", "Linear AdobeRGB")),
 }
 
-KNOWN: dict[str, ColorSpace] = {name: ColorSpace(name, RGB_TO_XYZ[source]) for name, (source, _) in _KNOWN.items()}
-_ALIASES = {alias.lower(): name for name, (_, aliases) in _KNOWN.items() for alias in (name, *aliases)}
+KNOWN: dict[str, ColorSpace] = {name: ColorSpace(name, RGB_TO_XYZ[source]) for name, (source, _) in SOURCES.items()}
+
+#: Names of the Color Interop Forum mean the same in every config.
+STANDARD = frozenset((*KNOWN, "lin_rec709_scene"))
+
+_ALIASES = {alias.lower(): name for name, (_, aliases) in SOURCES.items() for alias in (name, *aliases)}
 
 
-def space(value: ColorSpace | str) -> ColorSpace:
-    """The scene-linear space of that name."""
+def space(value: ColorSpace | str, ocio: str | None = None) -> ColorSpace:
+    """The scene-linear space of that name.
+
+    Parameters
+    ----------
+    value
+        A :class:`ColorSpace` (returned as it is), a known name or alias (any case), "chromaticities(...)", or any
+        scene-linear space of the OCIO config.
+    ocio
+        An OCIO config; names then mean what they mean there. None is the pinned one.
+
+    Raises
+    ------
+    ColorError
+        If there is no such space, or it is not scene-linear; with the nearest name.
+    """
     if isinstance(value, ColorSpace):
         return value
-    found = _ALIASES.get(str(value).lower())
-    if found is None:
-        raise ColorError(f"{value!r} is not a scene-linear colour space that is known here", hint=nearest(value, KNOWN))
-    return KNOWN[found]
+    if not isinstance(value, str) or not value:
+        raise ColorError(f"{value!r} is not the name of a colour space", hint=nearest(value, KNOWN))
+    name = known(value) if ocio is None or value in STANDARD else None
+    if name is not None:
+        return KNOWN[name]
+    from flowabs_nodes.color import named  # OpenImageIO, which the spaces above do not need
+
+    found = named.find(value, ocio)
+    if found.kind != "linear":
+        kind = "holds data, not colour" if found.kind == "data" else "is not scene-linear RGB"
+        raise ColorError(f"the colour space {value!r} {kind}", hint=f"scene-linear spaces: {', '.join(KNOWN)}")
+    return found.space
+
+
+def known(name: str) -> str | None:
+    """Our name of a space that is called so, in any case; None if it is not one of :data:`KNOWN`."""
+    return _ALIASES.get(name.lower())
 
 
 @cache
 def normalised(colorspace: ColorSpace) -> Float64:
-    """RGB to XYZ over the white of the space: rows sum to 1."""
+    """RGB to XYZ over the white of the space, (3, 3): rows sum to 1, so neutrals have X = Y = Z."""
     matrix = np.array(colorspace.to_xyz).reshape(3, 3)
     return np.asarray(matrix / matrix.sum(axis=1, keepdims=True))
 
 
 @cache
 def to_ap1(colorspace: ColorSpace) -> Float64:
-    """RGB to ACES AP1, adapted to its white by Bradford: rows sum to 1."""
+    """RGB to ACES AP1, its white adapted to AP1's by Bradford, (3, 3): rows sum to 1.
+
+    As ``colour.matrix_RGB_to_RGB(..., "Bradford")`` but for the whites, which here are the rows' sums of the matrices
+    themselves: neutrals stay neutral beyond the digits of a published white point.
+    """
     source = np.array(colorspace.to_xyz).reshape(3, 3)
     ap1 = np.array(RGB_TO_XYZ["ACEScg"]).reshape(3, 3)
     bradford = np.array(BRADFORD).reshape(3, 3)
     scale = (bradford @ ap1.sum(axis=1)) / (bradford @ source.sum(axis=1))
-    return np.asarray(np.linalg.inv(ap1) @ np.linalg.inv(bradford) @ np.diag(scale) @ bradford @ source)
+    matrix = np.linalg.solve(ap1, np.linalg.solve(bradford, scale[:, None] * bradford @ source))
+    return np.asarray(matrix / matrix.sum(axis=1, keepdims=True))
+
+
+def between(source: ColorSpace, target: ColorSpace) -> Float64:
+    """RGB of one space to RGB of another, white to white by Bradford, (3, 3)."""
+    return np.asarray(np.linalg.solve(to_ap1(target), to_ap1(source)))
+
+
+def convert(rgb: npt.NDArray[np.float32], source: ColorSpace, target: ColorSpace) -> npt.NDArray[np.float32]:
+    """(..., 3) float32 of one scene-linear space in another; neutrals keep their value exactly."""
+    if source == target:
+        return rgb
+    m = between(source, target).astype(np.float32)
+    r, g, b = rgb[..., 0], rgb[..., 1], rgb[..., 2]
+    result = np.empty_like(rgb)  # the rows sum to 1: see matrix.py
+    result[..., 0] = r + (m[0, 1] * (g - r) + m[0, 2] * (b - r))
+    result[..., 1] = g + (m[1, 0] * (r - g) + m[1, 2] * (b - g))
+    result[..., 2] = b + (m[2, 0] * (r - b) + m[2, 1] * (g - b))
+    return result
