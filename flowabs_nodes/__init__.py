@@ -1,0 +1,63 @@
+"""flowabs: line drawings and flattened colour from scene-linear EXR plates, by filters that follow the picture's flow.
+
+::
+
+    import flowabs_nodes as fa
+
+    graph = fa.load_graph("abstraction")  # a path, a shipped name, or a dict
+    out = graph.run(given={"plate": fa.Image.from_array(rgb)}, outputs=["comp"])
+    report = fa.run("abstraction", input="shot.####.exr", output="out.####.exr", frames="1001-1100")
+
+Importing this package is quick: every name below is loaded the first time it is used.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from flowabs_nodes import color, filters
+    from flowabs_nodes.engine.frames import run
+    from flowabs_nodes.engine.report import Report
+    from flowabs_nodes.engine.runnable import RunnableGraph, load_graph
+    from flowabs_nodes.errors import FlowabsError
+    from flowabs_nodes.image import Image
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "FlowabsError": "errors",
+    "Image": "image",
+    "Report": "engine.report",
+    "RunnableGraph": "engine.runnable",
+    "load_graph": "engine.runnable",
+    "run": "engine.frames",
+}
+_MODULES = ("color", "filters")
+
+__all__ = [
+    "FlowabsError",
+    "Image",
+    "Report",
+    "RunnableGraph",
+    "__version__",
+    "color",
+    "filters",
+    "load_graph",
+    "run",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOMES:
+        value = getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
+        globals()[name] = value
+        return value
+    if name in _MODULES:
+        return importlib.import_module(f"{__name__}.{name}")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

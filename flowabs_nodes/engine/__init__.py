@@ -1,0 +1,32 @@
+"""Runs graphs: what to compute and in which order, what a result is called, one node, one frame, all frames."""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from flowabs_nodes.engine.apply import apply
+    from flowabs_nodes.engine.frames import run
+    from flowabs_nodes.engine.report import FrameReport, Note, Report
+    from flowabs_nodes.engine.runnable import RunnableGraph, load_graph
+
+_HOMES = {
+    "FrameReport": "report",
+    "Note": "report",
+    "Report": "report",
+    "RunnableGraph": "runnable",
+    "apply": "apply",
+    "load_graph": "runnable",
+    "run": "frames",
+}
+
+__all__ = ["FrameReport", "Note", "Report", "RunnableGraph", "apply", "load_graph", "run"]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOMES:
+        value = getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
+        globals()[name] = value
+        return value
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

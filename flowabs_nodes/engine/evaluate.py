@@ -1,0 +1,122 @@
+"""Computes one frame: the steps of a plan in order, each result held until its last use."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Collection, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flowabs_nodes.engine.apply import apply, deliver
+from flowabs_nodes.engine.failures import contained
+from flowabs_nodes.engine.plan import Result, Step, Unit
+from flowabs_nodes.engine.report import Note
+from flowabs_nodes.engine.scale import length_factor, scale_image, scale_lengths
+from flowabs_nodes.image import Image
+from flowabs_nodes.nodes.declare import Context, Node
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from flowabs_nodes.graph.model import Graph
+    from flowabs_nodes.io.sequences import Source
+    from flowabs_nodes.io.settings import Settings
+
+#: A node's parameters by name.
+Params = Mapping[str, Any]
+
+
+@dataclass
+class Evaluation:
+    """One frame of a graph at work. ``notes`` and ``timings`` (seconds by node) fill up, also when a node fails.
+
+    Attributes
+    ----------
+    params
+        Each unit's parameters, lengths not scaled.
+    sources
+        For each unit that reads a file: which one, this frame.
+    on_delivery
+        Gets the node and what it hands back, for nodes without outputs (``write``), as soon as they have run.
+    """
+
+    graph: Graph
+    params: Mapping[Unit, Params]
+    sources: Mapping[Unit, Source]
+    settings: Settings
+    scale: float = 1.0
+    on_delivery: Callable[[str, Any], None] = lambda node, what: None
+    notes: list[Note] = field(default_factory=list)
+    timings: dict[str, float] = field(default_factory=dict)
+
+    def run(
+        self, steps: Collection[Step], given: Mapping[Result, Image], keep: Collection[Result] = ()
+    ) -> dict[Result, Image]:
+        """Run all steps; the results named in ``keep`` come back, all others are let go after their last use."""
+        held = dict(given)
+        for step in steps:
+            images = {name: held[result] for name, result in step.inputs.items()}
+            with self.timed(step.unit.node):
+                for output, image in self._step(step, images).items():
+                    held[Result(step.unit.node, output, step.unit.frame)] = image
+            for result in step.drops:
+                held.pop(result, None)
+            del images
+        return {result: held[result] for result in keep}
+
+    def _step(self, step: Step, images: Mapping[str, Image]) -> dict[str, Image]:
+        node, frame = step.unit
+        declaration = self.graph.nodes[node].declaration
+        context = Context(
+            frame=frame,
+            node=node,
+            wanted=step.wanted,
+            note=partial(self._note, node, False),
+            warn=partial(self._note, node, True),
+            services=self.settings,
+        )
+        with contained(node, frame):
+            params = self._params(step, declaration, images)
+            if not declaration.outputs:
+                self.on_delivery(node, deliver(declaration, context, images, params))
+                return {}
+            outputs = apply(declaration, context, images, params)
+            source = self.sources.get(step.unit)
+            if source is None:
+                return outputs
+            return {
+                name: scale_image(_black(image) if source.black else image, self.scale)
+                for name, image in outputs.items()
+            }
+
+    def _params(self, step: Step, declaration: Node, images: Mapping[str, Image]) -> dict[str, Any]:
+        """The step's parameters with lengths scaled to what it looks at, and the file of this frame."""
+        params = dict(self.params[step.unit])
+        if step.unit in self.sources and declaration.file_param:
+            params[declaration.file_param.name] = str(self.sources[step.unit].path)
+        looks_at = next((images[name] for name in declaration.all_inputs if name in images), None)
+        factor = length_factor(self.graph.reference_height, self.scale, looks_at)
+        params, warnings = scale_lengths(declaration, params, factor)
+        self.notes.extend(replace(warning, node=step.unit.node) for warning in warnings)
+        return params
+
+    def _note(self, node: str, warning: bool, text: str) -> None:
+        self.notes.append(Note(text, node, warning))
+
+    @contextmanager
+    def timed(self, name: str) -> Iterator[None]:
+        """Counts the time inside for ``name``."""
+        start = time.perf_counter()
+        try:
+            yield
+        finally:
+            self.timings[name] = self.timings.get(name, 0.0) + time.perf_counter() - start
+
+
+def _black(image: Image) -> Image:
+    """A black frame like ``image``: it has no origin, so that no layer of that other frame is kept with it."""
+    return Image(np.zeros_like(image.pixels), image.spec, image.type, colorspace=image.colorspace)

@@ -1,0 +1,36 @@
+"""Where anything that goes wrong inside a node becomes an error of this package that says which node and frame."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from flowabs_nodes.errors import FlowabsError
+
+
+class InternalError(FlowabsError):
+    """Something raised an exception that nobody foresaw: a fault of the node, of this package, or of the machine.
+
+    The exception itself is ``__cause__``. Codes: "internal", or "out-of-memory".
+    """
+
+    code = "internal"
+
+
+@contextmanager
+def contained(node: str | None = None, frame: int | None = None) -> Iterator[None]:
+    """Whatever is raised inside leaves as a :class:`FlowabsError` that knows its node and frame.
+
+    A node may come from any package and fail in any way, and one frame must never stop the others, so this is the one
+    place that catches every exception. KeyboardInterrupt and SystemExit pass.
+    """
+    try:
+        yield
+    except FlowabsError as error:
+        raise error.at(node=node, frame=frame)  # noqa: B904 - the same error, with its place
+    except MemoryError as error:
+        message = f"not enough memory ({error})" if str(error) else "not enough memory"
+        hint = "run fewer jobs at once, or at a smaller --scale"
+        raise InternalError(message, code="out-of-memory", hint=hint, node=node, frame=frame) from error
+    except Exception as error:  # turned into ours and raised on, cause kept
+        raise InternalError(f"{type(error).__name__}: {error}", node=node, frame=frame) from error

@@ -1,0 +1,128 @@
+"""What a result is called: the same key means the same picture, on any machine, on any day.
+
+A node's key is a hash of its type and version, the version of the package it comes from, its parameters, and the keys
+of its inputs; where it reads a file, of the file's content instead of its name. No filter has to run to know it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.metadata
+import json
+from collections.abc import Iterable, Mapping
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+from flowabs_nodes import __version__
+from flowabs_nodes.engine.plan import Result, Step, Unit
+from flowabs_nodes.engine.scale import has_lengths
+from flowabs_nodes.image import Image
+from flowabs_nodes.nodes.declare import Node
+
+if TYPE_CHECKING:
+    from flowabs_nodes.graph.model import Graph
+
+_BYTES = 20
+
+
+def unit_keys(
+    graph: Graph,
+    steps: Iterable[Step],
+    params: Mapping[Unit, Mapping[str, Any]],
+    *,
+    contents: Mapping[Unit, str],
+    given: Mapping[Result, str],
+    scale: float,
+    ocio: str,
+) -> dict[Unit, str]:
+    """The key of every step's unit.
+
+    Parameters
+    ----------
+    params
+        Each unit's parameters, checked, before lengths are scaled: the scaled ones follow from the pictures that come
+        in, ``reference_height`` and ``scale``.
+    contents
+        For each unit that reads a file, what stands in it (:func:`flowabs_nodes.io.hashing.content_hash`).
+    given
+        The keys of results that come from outside (:func:`image_key`).
+    ocio
+        What the OpenColorIO config in use is called or contains; "" for the one that is built in.
+    """
+    keys: dict[Unit, str] = {}
+    for step in steps:
+        declaration = graph.nodes[step.unit.node].declaration
+        keys[step.unit] = node_key(
+            declaration,
+            params[step.unit],
+            {name: given.get(each) or [keys[each.unit], each.output] for name, each in step.inputs.items()},
+            content=contents.get(step.unit, ""),
+            reference_height=graph.reference_height,
+            scale=scale,
+            ocio=ocio,
+        )
+    return keys
+
+
+def node_key(
+    declaration: Node,
+    params: Mapping[str, Any],
+    inputs: Mapping[str, Any],
+    *,
+    content: str = "",
+    reference_height: float | None = None,
+    scale: float = 1.0,
+    ocio: str = "",
+) -> str:
+    """The key of one node: hexadecimal, whatever the order of its parameters and inputs."""
+    touches_files = declaration.file_param is not None
+    return _digest(
+        {
+            "type": declaration.name,
+            "package": package_version(str(declaration.run.__module__).partition(".")[0]),
+            "params": {
+                param.name: _exact(params[param.name])
+                for param in declaration.all_params.values()
+                if param.in_key and param.kind != "file" and param.name in params
+            },
+            "inputs": dict(inputs),
+            "content": content,
+            "lengths": [_exact(reference_height), _exact(scale)] if has_lengths(declaration) else None,
+            "scale": _exact(scale) if touches_files else None,
+            "ocio": ocio if touches_files else "",
+        }
+    )
+
+
+def image_key(image: Image) -> str:
+    """The key of an image that comes from outside: its pixels, windows, metadata, type and colour space."""
+    state = hashlib.blake2b(image.pixels.data, digest_size=_BYTES)
+    about = [state.hexdigest(), image.spec.to_xml(), image.type, image.colorspace.name, list(image.colorspace.to_xyz)]
+    return _digest([_exact(each) for each in about])
+
+
+@cache
+def package_version(package: str) -> str:
+    """The version of the installed distribution that an import package comes from; "" where there is none."""
+    if package == "flowabs_nodes":
+        return __version__
+    names = importlib.metadata.packages_distributions().get(package, [])
+    return ",".join(sorted(f"{name} {importlib.metadata.version(name)}" for name in set(names)))
+
+
+def _digest(value: Any) -> str:
+    text = json.dumps(value, sort_keys=True, ensure_ascii=True, separators=(",", ":"))
+    return hashlib.blake2b(text.encode(), digest_size=_BYTES).hexdigest()
+
+
+def _exact(value: Any) -> Any:
+    """Plain data in which each number has one spelling: 5, 5.0 and NumPy's are the same, down to the last bit."""
+    match value:
+        case None | bool() | str():
+            return value
+        case Mapping():
+            return {str(name): _exact(each) for name, each in value.items()}
+        case list() | tuple():
+            return [_exact(each) for each in value]
+        case _:
+            return {"number": float(value).hex()}

@@ -1,0 +1,120 @@
+import dataclasses
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from flowabs_nodes.engine.keys import image_key, node_key, unit_keys
+from flowabs_nodes.engine.plan import Result, Unit, make_plan
+from flowabs_nodes.image import Image
+from flowabs_nodes.nodes.declare import Node, Param, Port
+from tests.engine.fakes import ADD, SPLIT, graph, node, picture
+
+READ = Node(
+    type="read",
+    version=1,
+    help=".",
+    inputs=(),
+    outputs=(Port("image", "color", "."),),
+    params=(
+        Param.file("file", role="input", help="."),
+        Param.string("layer", "", help="."),
+        Param.enum("missing", "error", ("error", "black"), help=".", in_key=False),
+    ),
+    run=ADD.run,
+)
+
+
+def test_every_parameter_and_input_changes_the_key():
+    defaults = SPLIT.defaults()
+    keys = {
+        node_key(SPLIT, defaults, {"image": "x"}),
+        node_key(SPLIT, defaults | {"length": 2.0000000000000004}, {"image": "x"}),
+        node_key(SPLIT, defaults | {"slope": None}, {"image": "x"}),
+        node_key(SPLIT, defaults | {"slope": 0.0}, {"image": "x"}),
+        node_key(SPLIT, defaults, {"image": "y"}),
+        node_key(dataclasses.replace(SPLIT, version=2), defaults, {"image": "x"}),
+        node_key(dataclasses.replace(SPLIT, type="splits"), defaults, {"image": "x"}),
+        node_key(SPLIT, defaults, {"image": "x"}, reference_height=1080),
+        node_key(SPLIT, defaults, {"image": "x"}, scale=0.5),
+    }
+    assert len(keys) == 9
+
+
+def test_the_same_value_has_one_key_however_it_is_written():
+    key = node_key(SPLIT, {"length": 2.0, "slope": 4.0}, {"a": "1", "b": "2"})
+    assert key == node_key(SPLIT, {"slope": np.float64(4), "length": 2}, {"b": "2", "a": "1"})
+
+
+def test_a_number_is_not_the_text_that_looks_like_it():
+    custom = Param.custom("value", "max", schema={}, parse=lambda value: None, help=".")
+    declaration = dataclasses.replace(SPLIT, params=(custom,))
+    assert node_key(declaration, {"value": 16}, {}) == node_key(declaration, {"value": 16.0}, {})
+    keys = {node_key(declaration, {"value": value}, {}) for value in (1.0, True, "1", (1.0).hex(), None, [1], {"a": 1})}
+    assert len(keys) == 7
+
+
+def test_a_file_counts_by_its_content_and_not_its_name():
+    def key(**changes):
+        fields = {"content": "abc", "file": "a.exr", "layer": "", "missing": "error"} | changes
+        content = fields.pop("content")
+        extra = {name: fields.pop(name) for name in ("ocio", "scale") if name in fields}
+        return node_key(READ, fields, {}, content=content, **extra)
+
+    assert key() == key(file="elsewhere/b.exr") == key(missing="black")
+    assert len({key(), key(content="abd"), key(layer="diffuse"), key(ocio="my config"), key(scale=0.5)}) == 5
+
+
+def test_lengths_matter_only_to_nodes_that_have_some():
+    assert node_key(ADD, ADD.defaults(), {}) == node_key(ADD, ADD.defaults(), {}, reference_height=1080, scale=0.5)
+
+
+def keys_of(a_graph, **params):
+    steps = make_plan(a_graph, 1, results=[Result("end", "image", 1)])
+    values = {Unit(name, 1): each for name, each in a_graph.values(1).items()}
+    return unit_keys(a_graph, steps, values, contents={}, given={}, scale=1.0, ocio="")
+
+
+def test_a_change_upstream_changes_every_key_downstream_and_no_other():
+    def build(amount, output):
+        return graph(
+            node("start", SPLIT),
+            node("side", ADD, amount=2.0),
+            node("middle", ADD, {"image": f"start.{output}"}, amount=amount),
+            node("end", ADD, {"image": "middle", "mask": "side"}),
+        )
+
+    before, after = keys_of(build(1.0, "mono")), keys_of(build(1.5, "mono"))
+    assert {unit.node for unit in before if before[unit] != after[unit]} == {"middle", "end"}
+    other = keys_of(build(1.0, "matte"))
+    assert {unit.node for unit in before if before[unit] != other[unit]} == {"middle", "end"}
+
+
+def test_given_images_are_known_by_what_they_hold():
+    image = picture()
+    spec = image.spec
+    spec.attribute("owner", "else")
+    moved = image.spec
+    moved.x += 1
+    keys = {
+        image_key(image),
+        image_key(image.with_pixels(image.pixels + np.float32(1e-6))),
+        image_key(Image(image.pixels, spec, "color")),
+        image_key(Image(image.pixels, moved, "color")),
+        image_key(Image(image.pixels, image.spec, "color", colorspace="lin_ap1_scene")),
+    }
+    assert len(keys) == 5
+    assert image_key(image) == image_key(picture())
+
+
+@pytest.mark.parametrize("seed", ["1", "2"])
+def test_another_process_makes_the_same_key(seed):
+    code = "from tests.engine.fakes import *; from flowabs_nodes.engine.keys import node_key, image_key;"
+    code += "print(node_key(SPLIT, SPLIT.defaults(), {'image': 'x', 'mask': 'y'}), image_key(picture()))"
+    environment = {"PYTHONHASHSEED": seed, "PYTHONPATH": ".", "PATH": ""}
+    found = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    assert found.stdout.split() == [
+        node_key(SPLIT, SPLIT.defaults(), {"mask": "y", "image": "x"}),
+        image_key(picture()),
+    ]
