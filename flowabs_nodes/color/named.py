@@ -18,8 +18,10 @@ Float64 = npt.NDArray[np.float64]
 
 #: Names of sRGB pictures, scene- or display-referred: OIIO's, OCIO's and the Color Interop Forum's, in lower case.
 SRGB_NAMES = frozenset(
-    "srgb,srgb_rec709_scene,srgb_rec709_display,srgb_tx,srgb_texture,srgb_display,srgb - texture,srgb - display,"
-    "srgb encoded rec.709 (srgb),utility - srgb - texture".split(",")
+    (
+        *("srgb", "srgb_rec709_scene", "srgb_rec709_display", "srgb_tx", "srgb_texture", "srgb_display"),
+        *("srgb - texture", "srgb - display", "srgb encoded rec.709 (srgb)", "utility - srgb - texture"),
+    )
 )
 #: Names that say that numbers are no colour.
 DATA_NAMES = frozenset(("data", "raw", "none", "utility - raw", "non-color"))
@@ -48,8 +50,7 @@ def find(name: str, ocio: str | None = None) -> Named:
         return Named(name, "linear", KNOWN[ours])
     if low in SRGB_NAMES and (ocio is None or low in ("srgb_rec709_scene", "srgb_rec709_display")):
         return Named(name, "srgb", KNOWN["lin_rec709"])
-    # OpenImageIO 3.2 tags with Color Interop IDs, "ocio:acescct_ap1_scene", of which an older config knows
-    # "acescct_ap1".
+    # OpenImageIO 3.2 tags ACEScct as "ocio:acescct_ap1_scene", which the config knows as "acescct_ap1".
     bare = name.removeprefix("ocio:")
     theirs = next((one for one in (name, bare, bare.removesuffix("_scene")) if config.has(one, ocio)), None)
     if theirs is None:
