@@ -102,7 +102,9 @@ def _array(name: str, value: npt.ArrayLike, shapes: str, fits: Any) -> Array:
         )
     result: Array = np.ascontiguousarray(array, np.float32)
     # One pass that makes no copy: a sum of finite float32 numbers in float64 is finite.
-    if not math.isfinite(float(result.sum(dtype=np.float64))):
+    with np.errstate(invalid="ignore"):  # Inf - Inf
+        total = float(result.sum(dtype=np.float64))
+    if not math.isfinite(total):
         bad = int(result.size - np.isfinite(result).sum())
         raise ArgumentError(f"{name}: expected finite pixels, found {bad} that are NaN or Inf", parameter=name)
     return result

@@ -1,10 +1,10 @@
 """Tangents where there is little or no gradient, from the tensor average around them: push-pull by confidence.
 
 Not in the paper, which leaves holes where the image is constant and rounding noise where it is nearly so (DESIGN 4.5).
-A tangent t of magnitude m enters as the tensor m^2 t t^T, whose trace is the confidence W = m^2. The field is halved down
-to one pixel. Then, coming up, each cell takes its own average tensor with the weight alpha = min(1, W / fill^2), W the
-mean over the cell, and the coarser level's, bilinearly, with the rest. Up to its trace a tensor is its double angle,
-m^2 (cos 2θ, sin 2θ).
+A tangent t of magnitude m enters as the tensor m^2 t t^T, whose trace is the confidence W = m^2. The field is halved
+down to one pixel. Then, coming up, each cell takes its own average tensor with the weight alpha = min(1, W / fill^2),
+W the mean over the cell, and the coarser level's, bilinearly, with the rest. Up to its trace a tensor is its double
+angle, m^2 (cos 2θ, sin 2θ).
 """
 
 from __future__ import annotations
@@ -16,6 +16,8 @@ from flowabs_nodes.filters.arguments import Array
 from flowabs_nodes.filters.gradient import Float64, half_angle
 from flowabs_nodes.filters.kernels import kernel, parallel_kernel
 
+_ISOTROPIC = 1e-9  # of a trace of 1: a tensor whose double angle is shorter has no direction, only rounding
+
 
 def flow_fill(tangent: Array, magnitude: Array, fill: float) -> Array:
     """Unit tangents everywhere: (H, W, 2) float32.
@@ -26,7 +28,7 @@ def flow_fill(tangent: Array, magnitude: Array, fill: float) -> Array:
         Of the gradient: (H, W, 2) unit or zero, (H, W) in code values per pixel.
     fill
         Magnitude below which a tangent leans on its surroundings, the more the weaker it is; 0 fills only zero
-        tangents. A field without any tangent becomes (1, 0).
+        tangents. Where the surroundings have no direction either, a zero tangent becomes (1, 0).
     """
     height, width = magnitude.shape
     confident = float(fill) ** 2
@@ -124,7 +126,7 @@ def _pull_pixels(tangent: Array, magnitude: Array, coarser: Float64, confident: 
             if weight < confident or weight == 0:
                 below_c, below_s = _bilinear(coarser, y, x)
                 c, s = _lean(c, s, weight, confident, below_c, below_s)
-                if c != 0 or s != 0:
+                if c * c + s * s > _ISOTROPIC**2:
                     tx, ty = half_angle(c, s)
                 elif weight == 0:
                     tx, ty = 1.0, 0.0

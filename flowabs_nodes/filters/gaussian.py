@@ -21,9 +21,10 @@ def half(sigma: float, steps: int | None = None) -> npt.NDArray[np.float64]:
     steps = radius(sigma) if steps is None else steps
     weights = np.zeros(steps + 1)
     weights[0] = 1.0
-    if sigma > 0:
+    if sigma > 0.01:  # below, the neighbours' weights underflow
         weights[1:] = np.exp(-(np.arange(1, steps + 1) ** 2) / (2 * sigma * sigma))
-    return weights / (2 * weights.sum() - weights[0])
+    both = 2 * float(weights.sum()) - 1  # the centre, 1, counted once
+    return weights / both
 
 
 def difference(sigma_c: float, rho: float) -> npt.NDArray[np.float64]:

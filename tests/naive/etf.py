@@ -73,7 +73,10 @@ def flow_fill(tangent: Float64, magnitude: Float64, fill: float) -> Float64:
     filled = tangent.copy()
     for y, x in np.argwhere((confidence < fill**2) | (confidence == 0)):
         values, vectors = np.linalg.eigh(blended[y, x])
-        filled[y, x] = vectors[:, 1] if values[1] > values[0] else (1, 0)
+        if values[1] - values[0] > 1e-9:
+            filled[y, x] = vectors[:, 1]
+        elif confidence[y, x] == 0:
+            filled[y, x] = 1, 0
     return filled
 
 

@@ -1,0 +1,111 @@
+import numpy as np
+import pytest
+
+from flowabs_nodes.errors import ArgumentError
+from flowabs_nodes.filters import arguments
+
+READERS = {
+    arguments.plane: ((4, 5), [(4,), (4, 5, 1), (0, 5)]),
+    arguments.planes: ((4, 5, 3), [(4, 5), (4, 5, 4), (4, 0, 3)]),
+    arguments.plane_or_planes: ((4, 5, 3), [(4, 5, 2), (4,), (0, 0)]),
+    arguments.any_channels: ((4, 5, 4), [(4,), (4, 5, 3, 1), (4, 5, 0)]),
+}
+
+
+@pytest.mark.parametrize("read", READERS)
+def test_arrays_become_contiguous_float32(read):
+    shape, _ = READERS[read]
+    for dtype in (np.float16, np.float32, np.float64, np.int32, np.uint8, bool):
+        value = np.ones(shape[::-1], dtype).T
+        result = read("code", value)
+        assert result.dtype == np.float32
+        assert result.flags.c_contiguous
+        assert result.shape == shape
+
+
+def test_nothing_is_copied_without_need():
+    value = np.zeros((4, 5), np.float32)
+    assert arguments.plane("code", value) is value
+
+
+@pytest.mark.parametrize("read", READERS)
+def test_wrong_shapes_are_named(read):
+    for shape in READERS[read][1]:
+        with pytest.raises(ArgumentError) as error:
+            read("code", np.zeros(shape))
+        assert error.value.parameter == "code"
+        assert str(shape) in str(error.value)
+
+
+@pytest.mark.parametrize("value", [np.zeros((2, 2), complex), np.array([["a", "b"]]), np.array([[None, None]])])
+def test_wrong_dtypes_are_named(value):
+    with pytest.raises(ArgumentError, match="code: expected real numbers, found dtype") as error:
+        arguments.plane("code", value)
+    assert error.value.code == "wrong-type"
+
+
+def test_pixels_that_are_not_finite_are_counted():
+    value = np.zeros((4, 5))
+    value[0, 0], value[1, 1], value[2, 2] = np.nan, np.inf, -np.inf
+    with pytest.raises(ArgumentError, match="code: expected finite pixels, found 3 that are NaN or Inf"):
+        arguments.plane("code", value)
+
+
+def test_the_largest_finite_pixels_are_finite():
+    arguments.plane("code", np.full((100, 100), np.finfo(np.float32).max))
+
+
+def test_flow_has_to_fit_the_picture():
+    flow = np.zeros((4, 5, 2), np.float32)
+    assert arguments.flow_field(flow, (4, 5, 3)) is flow
+    with pytest.raises(ArgumentError, match="expected the size of the picture, 4x5, found 5x4"):
+        arguments.flow_field(flow, (5, 4))
+    with pytest.raises(ArgumentError, match=r"expected shape \(H, W, 2\)"):
+        arguments.flow_field(flow[..., 0])
+
+
+@pytest.mark.parametrize("value", [1, 1.5, np.float32(2), np.int64(3)])
+def test_numbers(value):
+    result = arguments.number("sigma", value, min=1, max=3, above=0.5)
+    assert type(result) is float
+    assert result == value
+
+
+@pytest.mark.parametrize(
+    ("value", "rule"),
+    [(0.9, "at least 1"), (3.1, "at most 3"), (float("nan"), "at least 1 and at most 3"), (float("inf"), "at most 3")],
+)
+def test_numbers_out_of_range_name_rule_and_value(value, rule):
+    with pytest.raises(ArgumentError, match=f"sigma: expected a number .*{rule}.*, found {value!r}") as error:
+        arguments.number("sigma", value, min=1, max=3)
+    assert error.value.code == "out-of-range"
+
+
+def test_above_leaves_the_limit_out():
+    with pytest.raises(ArgumentError, match="greater than 0"):
+        arguments.number("sigma", 0, above=0)
+
+
+@pytest.mark.parametrize("value", [True, "1", None, 1j, [1]])
+def test_other_types_are_no_numbers(value):
+    with pytest.raises(ArgumentError, match="expected a number") as error:
+        arguments.number("sigma", value)
+    assert error.value.code == "wrong-type"
+
+
+@pytest.mark.parametrize("value", [True, 1.0, "1", None])
+def test_other_types_are_no_whole_numbers(value):
+    with pytest.raises(ArgumentError, match="expected a whole number"):
+        arguments.whole("iterations", value)
+
+
+def test_whole_numbers():
+    assert arguments.whole("iterations", np.int32(3), min=0) == 3
+    with pytest.raises(ArgumentError, match="iterations"):
+        arguments.whole("iterations", -1, min=0)
+
+
+def test_choice_hints_at_the_nearest():
+    assert arguments.choice("kernel", "full", ("full", "separable")) == "full"
+    with pytest.raises(ArgumentError, match="did you mean 'separable'"):
+        arguments.choice("kernel", "seperable", ("full", "separable"))
