@@ -6,7 +6,6 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from flowabs_nodes.engine.apply import apply
     from flowabs_nodes.engine.frames import run
     from flowabs_nodes.engine.report import FrameReport, Note, Report
     from flowabs_nodes.engine.runnable import RunnableGraph, load_graph
@@ -16,12 +15,11 @@ _HOMES = {
     "Note": "report",
     "Report": "report",
     "RunnableGraph": "runnable",
-    "apply": "apply",
     "load_graph": "runnable",
     "run": "frames",
 }
 
-__all__ = ["FrameReport", "Note", "Report", "RunnableGraph", "apply", "load_graph", "run"]
+__all__ = ["FrameReport", "Note", "Report", "RunnableGraph", "load_graph", "run"]
 
 
 def __getattr__(name: str) -> Any:
