@@ -67,6 +67,12 @@ class Problem:
         return {**fields, "hint": self.hint, **({"warning": True} if self.warning else {})}
 
     def __str__(self) -> str:
+        hint = f" ({self.hint})" if self.hint else ""
+        return f"{self.code} at {self.pointer or 'the top'}: found {self.found}, expected {self.expected}{hint}"
+
+    @property
+    def block(self) -> str:
+        """The same over several lines."""
         rows = [f"{self.code}{' (warning)' if self.warning else ''}  {self.pointer or 'the whole file'}"]
         rows += [f"  found     {self.found}", f"  expected  {self.expected}"]
         if self.hint:
@@ -82,7 +88,7 @@ class GraphError(FlowabsError):
     def __init__(self, problems: Iterable[Problem], *, file: str | None = None) -> None:
         self.problems = tuple(problems)
         count = sum(not problem.warning for problem in self.problems)
-        blocks = "\n\n".join(str(problem) for problem in self.problems)
+        blocks = "\n\n".join(problem.block for problem in self.problems)
         super().__init__(f"{count} {'problem' if count == 1 else 'problems'} in the graph\n\n{blocks}", file=file)
 
     def to_dict(self) -> dict[str, Any]:

@@ -1,0 +1,58 @@
+"""The command line. This file: the commands together, and how whatever goes wrong leaves the process.
+
+Exit codes: 0 all is well; 1 a frame is missing, damaged, claimed, or not written; 2 the graph or the command is wrong;
+130, 143 stopped by a signal.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+
+import click
+
+import flowabs_nodes
+from flowabs_nodes.cli.catalogue import graphs, nodes, schema
+from flowabs_nodes.cli.check import check
+from flowabs_nodes.cli.run import run
+from flowabs_nodes.engine.failures import InternalError
+from flowabs_nodes.engine.stop import Stopped, stop_on_signals
+from flowabs_nodes.errors import FlowabsError, ReadError, WriteError
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(flowabs_nodes.__version__, package_name="flowabs-nodes", prog_name="flowabs")
+def cli() -> None:
+    """Line drawings, flat colour and cartoons from scene-linear EXR plates, by graphs of image nodes.
+
+    A first picture: flowabs run abstraction -i plate.exr -o toon.exr
+    """
+
+
+for command in (run, check, nodes, schema, graphs):
+    cli.add_command(command)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command; the process's exit code."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(
+                errors="backslashreplace"
+            )  # a file's name may be no text; an old terminal has few letters
+    try:
+        with stop_on_signals():
+            code = cli.main(arguments, prog_name="flowabs", standalone_mode=False)
+        return code if isinstance(code, int) else 0
+    except click.Abort as abort:
+        cause = abort.__cause__
+        return cause.exit_code if isinstance(cause, Stopped) else 130
+    except click.ClickException as error:
+        error.show()
+        return 2
+    except FlowabsError as error:
+        click.echo(f"flowabs: {error}", err=True)
+        return 1 if isinstance(error, ReadError | WriteError | InternalError) else 2
+    except OSError as error:
+        click.echo(f"flowabs: {error}", err=True)
+        return 1

@@ -1,0 +1,144 @@
+"""How a run is shown: a bar on a terminal, a line a frame in a log, one event a line for programs."""
+
+from __future__ import annotations
+
+import json
+import sys
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Self
+
+import click
+from tqdm import tqdm
+
+from flowabs_nodes.errors import FlowabsError
+
+if TYPE_CHECKING:
+    from flowabs_nodes.engine.report import Report
+
+Event = dict[str, Any]
+
+
+def on_a_terminal() -> bool:
+    """Whether a person watches."""
+    return sys.stderr.isatty()
+
+
+class Lines:
+    """One line a frame on stdout, with what was noted about it before; what failed is on stderr."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: type[BaseException] | BaseException | TracebackType | None) -> None:
+        pass
+
+    def event(self, event: Event) -> None:
+        """Show an event of the engine."""
+        match event["event"]:
+            case "note":
+                self.line(_note(event), error=event["level"] == "warning")
+            case "frame":
+                self.frame(event)
+
+    def frame(self, event: Event) -> None:
+        """A frame has ended."""
+        if event["status"] == "failed":
+            self.line(f"frame {event['frame']}  failed  {event['message']}", error=True)
+        else:
+            files = ", ".join(event["files"])
+            self.line(f"frame {event['frame']}  {event['status']:7} {event['seconds']:7.2f} s  {files}")
+
+    def line(self, text: str, *, error: bool = False) -> None:
+        """One line, at once."""
+        click.echo(text, err=error)
+
+    def error(self, error: FlowabsError) -> None:
+        """The run could not begin; the caller says so."""
+
+    def end(self, report: Report) -> None:
+        """The run has ended."""
+        counts = ", ".join(f"{count} {status}" for status, count in report.counts.items() if count)
+        stopped = {130: "stopped: ", 143: "stopped: "}.get(report.exit_code, "")
+        self.line(f"{stopped}{counts or 'nothing done'} in {report.seconds:.2f} s", error=bool(stopped))
+        for row in _profile(report):
+            self.line(row)
+
+
+class Bar(Lines):
+    """A bar with frames/s and time left; notes and failures stand above it."""
+
+    def __init__(self) -> None:
+        self.bar: tqdm[Any] | None = None
+
+    def __exit__(self, *exception: type[BaseException] | BaseException | TracebackType | None) -> None:
+        if self.bar is not None:
+            self.bar.close()
+
+    def event(self, event: Event) -> None:
+        """Show an event of the engine."""
+        if event["event"] == "start":
+            self.bar = tqdm(total=event["frames"], unit=" frames", desc=event["graph"] or None, dynamic_ncols=True)
+        super().event(event)
+
+    def frame(self, event: Event) -> None:
+        """A frame has ended; one that is done shows in the bar alone."""
+        if event["status"] == "failed":
+            super().frame(event)
+        if self.bar is not None:
+            self.bar.update()
+
+    def line(self, text: str, *, error: bool = False) -> None:
+        """One line above the bar."""
+        tqdm.write(text, file=sys.stderr if error else sys.stdout)
+
+    def end(self, report: Report) -> None:
+        """The run has ended: the bar stays as it is, the summary comes below."""
+        if self.bar is not None:
+            self.bar.close()
+        super().end(report)
+
+
+class JsonLines(Lines):
+    """Each event as a line of JSON on stdout; failures for people on stderr besides."""
+
+    def event(self, event: Event) -> None:
+        """Print an event of the engine."""
+        click.echo(json.dumps(event))
+        if event["event"] == "frame" and event["status"] == "failed":
+            self.frame(event)
+
+    def error(self, error: FlowabsError) -> None:
+        """The run could not begin."""
+        click.echo(json.dumps({"event": "error", "error": error.to_dict()}))
+
+    def end(self, report: Report) -> None:
+        """The run has ended; its own last event has said so."""
+        if report.profile is not None:
+            rows = [
+                {"node": each.node, "type": each.type, "frames": each.frames, "seconds": round(each.seconds, 4)}
+                for each in report.profile
+            ]
+            click.echo(json.dumps({"event": "profile", "nodes": rows}))
+
+
+def _note(event: Event) -> str:
+    frame = "" if event["frame"] is None else f"frame {event['frame']}  "
+    level = "warning: " if event["level"] == "warning" else ""
+    node = f"{event['node']}: " if event["node"] else ""
+    return f"{frame}{level}{node}{event['text']}"
+
+
+def _profile(report: Report) -> list[str]:
+    """Seconds by node, the slowest first, and each one's share."""
+    if not report.profile:
+        return []
+    total = sum(each.seconds for each in report.profile) or 1.0
+    width = max(len("node"), *(len(each.node) for each in report.profile))
+    kinds = max(len("type"), *(len(each.type) for each in report.profile))
+    head = f"{'node':{width}}  {'type':{kinds}}  seconds   share  a frame  longest"
+    rows = (
+        f"{each.node:{width}}  {each.type:{kinds}}  {each.seconds:7.3f}  {each.seconds / total:6.1%}"
+        f"  {each.seconds / each.frames:7.3f}  {each.longest:7.3f}"
+        for each in report.profile
+    )
+    return ["", head, *rows]

@@ -1,0 +1,105 @@
+"""A node's page, made from its declaration: as plain text for the terminal, as Markdown for the documentation."""
+
+from __future__ import annotations
+
+import json
+import textwrap
+from collections.abc import Iterable
+
+from flowabs_nodes.nodes.declare import Node, Param, Port
+
+WIDTH = 100
+
+
+def listing(nodes: Iterable[Node]) -> str:
+    """One line for each node: what it is called and what it does."""
+    rows = [(node.name, node.help) for node in nodes]
+    widest = max((len(name) for name, _ in rows), default=0)
+    return "\n".join(f"{name:{widest}}  {help}" for name, help in rows)
+
+
+def page(node: Node) -> str:
+    """Everything about a node, for the terminal."""
+    lines = [node.name, "", *_wrapped(node.help, 2)]
+    if node.doc:
+        lines += ["", *_wrapped(node.doc, 2)]
+    for title, ports in (("Inputs", inputs(node)), ("Outputs", outputs(node))):
+        if ports:
+            name_width = max(len(name) for name, _, _ in ports)
+            type_width = max(len(types) for _, types, _ in ports)
+            lines += ["", title]
+            for name, types, help in ports:
+                lines += _wrapped(help, name_width + type_width + 6, f"  {name:{name_width}}  {types:{type_width}}  ")
+    if node.all_params:
+        lines += ["", "Parameters"]
+        for param in node.all_params.values():
+            lines += _wrapped(f"{param.name}: {rule(param)}; {default(param)}", 6, "  ")
+            lines += _wrapped(param.help, 6)
+    return "\n".join(lines)
+
+
+def reference(nodes: Iterable[Node]) -> str:
+    """The pages of all nodes, as Markdown."""
+    nodes = tuple(nodes)
+    lines = ["| node | |", "|---|---|"]
+    lines += [f"| [`{node.name}`](#{node.type}{node.version}) | {_cell(node.help)} |" for node in nodes]
+    return "\n".join([*lines, *(line for node in nodes for line in ("", *_markdown(node)))])
+
+
+def _markdown(node: Node) -> list[str]:
+    lines = [f"## {node.name}", "", node.help]
+    if node.doc:
+        lines += ["", node.doc]
+    ports = [("in", *row) for row in inputs(node)] + [("out", *row) for row in outputs(node)]
+    if ports:
+        lines += ["", "| | port | type | |", "|---|---|---|---|"]
+        lines += [f"| {way} | `{name}` | {_cell(types)} | {_cell(help)} |" for way, name, types, help in ports]
+    if node.all_params:
+        lines += ["", "| parameter | default | value | |", "|---|---|---|---|"]
+        for param in node.all_params.values():
+            plain = default(param).removeprefix("default ")
+            lines.append(f"| `{param.name}` | {_cell(plain)} | {_cell(rule(param))} | {_cell(param.help)} |")
+    return lines
+
+
+def inputs(node: Node) -> list[tuple[str, str, str]]:
+    """Name, type and help of each input."""
+    ports = node.all_inputs.values()
+    rows = [(port.name, _types(port) + (", optional" if port.optional else ""), port.help) for port in ports]
+    if node.extra_inputs:
+        rows.append(("(any name)", f"{_types(node.extra_inputs)}, optional", node.extra_inputs.help))
+    return rows
+
+
+def outputs(node: Node) -> list[tuple[str, str, str]]:
+    """Name, type and help of each output; the first is the one a link means that names none."""
+    rows = [(port.name, _types(port), port.help) for port in node.outputs]
+    if len(rows) > 1:
+        rows[0] = (rows[0][0], f"{rows[0][1]}, default", rows[0][2])
+    return rows
+
+
+def _types(port: Port) -> str:
+    return f"as {port.same_as}" if port.same_as else "any" if port.types == "any" else port.types.replace("|", " or ")
+
+
+def rule(param: Param) -> str:
+    """What a value has to be, with the usual range: "a number from 0 to 100 (px), usually 2 to 15"."""
+    usual = f", usually {param.soft[0]:g} to {param.soft[1]:g}" if param.soft else ""
+    return param.expected + usual
+
+
+def default(param: Param) -> str:
+    """The default as a graph would write it; for a required one, that it is."""
+    if param.kind == "file":
+        return "set by the graph or the run"
+    return "required" if param.required else f"default {json.dumps(param.default, ensure_ascii=False)}"
+
+
+def _wrapped(text: str, indent: int, first: str | None = None) -> list[str]:
+    initial = " " * indent if first is None else first
+    return textwrap.wrap(text, WIDTH, initial_indent=initial, subsequent_indent=" " * indent) or [initial.rstrip()]
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|")
