@@ -38,6 +38,11 @@ def encode(rgb: npt.ArrayLike, space: str = "lab", colorspace: ColorSpace | str 
     -------
     (H, W, 3) float32: L*, a*, b*, or the three AP1 channels.
 
+    Notes
+    -----
+    What comes back is within 2e-5 of the largest channel. Exceptions: near black, "acescct" holds steps of 1e-9; where
+    one of X, Y, Z is as negative as another is positive, "lab" holds 8e-6 m^(2/3) of the largest channel m.
+
     Raises
     ------
     ArgumentError

@@ -78,7 +78,9 @@ def _measured(name: str, ocio: str | None) -> Named:
     single, sums, ramp, raised = np.split(sent, np.cumsum([len(_SINGLE), len(_SUMS), len(_RAMP)]))
 
     matrix = single[6:9].T  # columns: what red, green and blue of 1.0 become
-    if np.allclose(np.concatenate([single, sums]), np.concatenate([_SINGLE, _SUMS]) @ matrix.T, atol=1e-5, rtol=1e-5):
+    with np.errstate(all="ignore"):
+        expected = np.concatenate([_SINGLE, _SUMS]) @ matrix.T
+    if np.allclose(np.concatenate([single, sums]), expected, atol=1e-5, rtol=1e-5):
         if np.allclose(matrix, np.eye(3), atol=1e-6) and name != config.canonical(theirs, ocio):
             return Named(name, "data", KNOWN["lin_rec709"])  # OCIO leaves data alone
         if np.allclose(matrix.sum(axis=1), 1, atol=1e-3):
@@ -86,10 +88,11 @@ def _measured(name: str, ocio: str | None) -> Named:
         return Named(name, "encoded", KNOWN["lin_ap0_scene"])  # white is not R = G = B: CIE XYZ
 
     # A curve on each channel, then a matrix: raising one channel shows one column of it, whatever the curve.
-    slopes = [(raised[3 * i : 3 * i + 3] - ramp[_LOW]).T / (ramp[high] - ramp[_LOW]) for i, high in enumerate(_HIGH)]
+    with np.errstate(all="ignore"):  # a curve may be flat here, or end in Inf
+        rises = [(raised[3 * i : 3 * i + 3] - ramp[_LOW]).T / (ramp[high] - ramp[_LOW]) for i, high in enumerate(_HIGH)]
     space = None
-    if np.isfinite(slopes).all() and np.allclose(slopes[0], slopes[1], atol=2e-3):
-        space = _known(slopes[0], ours, 3e-3)
+    if np.isfinite(rises).all() and np.allclose(rises[0], rises[1], atol=2e-3):
+        space = _known(rises[0], ours, 3e-3)
     if space == KNOWN["lin_rec709"] and np.allclose(ramp[:, 1], srgb.linear(_RAMP.astype(np.float32)), atol=5e-4):
         return Named(name, "srgb", space)
     return Named(name, "encoded", space or KNOWN["lin_ap0_scene"])  # AP0 holds every colour there is
