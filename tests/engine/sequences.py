@@ -1,0 +1,48 @@
+"""Sequences of small EXR plates on disk, and graphs over them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import OpenImageIO as oiio
+
+from flowabs_nodes.image import Image
+
+
+def plate(path: Path, *, seed: int = 1, height: int = 48, width: int = 64, depth: str = "half") -> Path:
+    """A scene-linear EXR: smooth shapes and a little noise."""
+    rng = np.random.default_rng(seed)
+    y, x = np.mgrid[:height, :width]
+    rgb = np.stack([x / width, y / height, np.hypot(x - 30, y - 20) < 12], axis=2) * 0.5
+    buf = Image.from_array(rgb + rng.random((height, width, 1)) * 0.05).to_imagebuf()
+    path.parent.mkdir(parents=True, exist_ok=True)
+    assert buf.write(str(path), depth), buf.geterror()
+    return path
+
+
+def plates(folder: Path, *frames: int) -> str:
+    """One plate a frame, each different; returns their pattern."""
+    for frame in frames:
+        plate(folder / f"plate.{frame:04d}.exr", seed=frame)
+    return str(folder / "plate.####.exr")
+
+
+def document(**nodes: dict[str, Any]) -> dict[str, Any]:
+    """A graph file: plate -> bright -> out, and ``nodes`` beside or instead of these."""
+    known: dict[str, Any] = {
+        "plate": {"type": "read@1"},
+        "bright": {"type": "exposure@1", "inputs": {"image": "plate"}, "params": {"stops": {"from": "stops"}}},
+        "out": {"type": "write@1", "inputs": {"image": "bright"}},
+    }
+    knobs = {"stops": {"type": "float", "default": 1.0, "min": -5, "max": 5, "help": "Stops."}}
+    return {"format": "flowabs.graph/1", "name": "bright", "interface": knobs, "nodes": known | nodes}
+
+
+def pixels(path: Path | str) -> np.ndarray[Any, Any]:
+    """What stands in a file."""
+    buf = oiio.ImageBuf(str(path))
+    assert buf.read(convert=oiio.FLOAT), buf.geterror()
+    found: np.ndarray[Any, Any] = buf.get_pixels(oiio.FLOAT)
+    return found

@@ -1,0 +1,150 @@
+"""graph.run: images in, images out."""
+
+import logging
+
+import numpy as np
+import pytest
+
+from flowabs_nodes import graph as graphs
+from flowabs_nodes.engine import load_graph
+from flowabs_nodes.engine.runnable import RunnableGraph
+from flowabs_nodes.errors import ArgumentError, CommandError, FlowabsError, ReadError
+from flowabs_nodes.graph import GraphError
+from flowabs_nodes.image import Image
+from flowabs_nodes.nodes import catalogue
+from flowabs_nodes.nodes.declare import Node, Param, Port
+from tests.engine.fakes import SPLIT, picture
+from tests.engine.sequences import document, plate
+
+
+@pytest.fixture
+def graph():
+    nodes = {"tones": {"type": "split@1", "inputs": {"image": "bright"}}}
+    return load_graph(graphs.load(document(**nodes), catalogue() | {"split": SPLIT}))
+
+
+def test_images_in_images_out(graph):
+    image = picture()
+    out = graph.run(given={"plate": image}, set={"stops": 2}, outputs=["bright", "tones.mono", "tones"])
+    assert list(out) == ["bright", "tones.mono", "tones"]
+    np.testing.assert_allclose(out["bright"].pixels, 4 * image.pixels, rtol=1e-6)
+    assert (out["tones.mono"].type, out["tones"].type) == ("mono", "matte")
+    assert out["tones"].data_window == image.data_window
+
+
+def test_without_outputs_what_would_be_written_comes_back_and_nothing_is_written(graph, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    layered = document(
+        out={"type": "write@1", "inputs": {"image": "bright", "plain": "plate"}, "params": {"file": "x.exr"}}
+    )
+    assert list(load_graph(layered).run(given={"plate": picture()})) == ["bright", "plate"]
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_is_read_where_no_image_is_given(graph, tmp_path):
+    file = plate(tmp_path / "plate.0007.exr")
+    out = graph.run(7, set={"plate.file": str(tmp_path / "plate.####.exr")}, outputs=["plate"])
+    assert out["plate"].origin.file == str(file)
+
+
+def test_what_is_given_stands_in_for_any_output(graph):
+    image = picture()
+    response = image.with_pixels(image.pixels[..., 0], "mono")
+    out = graph.run(given={"tones.mono": response}, outputs=["tones.mono"])
+    assert out["tones.mono"] is response
+    assert graph.run(given={"bright": image}, outputs=["bright"])["bright"] is image
+
+
+def test_a_given_image_is_widened_to_what_the_output_is(graph):
+    image = picture()
+    out = graph.run(given={"plate": image.with_pixels(image.pixels[..., 0], "mono")}, outputs=["plate"])
+    assert out["plate"].type == "color"
+
+
+def test_scale_makes_given_pictures_smaller_and_lengths_follow():
+    seen = {}
+
+    def run(context, image, *, length):
+        seen.update(length=length, size=image.pixels.shape[:2])
+        return image
+
+    param = Param.float("length", 8.0, min=0.1, unit="px", help="A length.")
+    port = Port("image", "color", "A picture.")
+    node = Node("probe", 1, "Looks.", (port,), (Port("image", "=image", "The same."),), (param,), run)
+    nodes = document(bright={"type": "probe@1", "inputs": {"image": "plate"}}) | {"reference_height": 96}
+    graph = load_graph(graphs.load(nodes, catalogue() | {"probe": node}))
+    plain = Image.from_array(np.ones((48, 64, 3)))
+    graph.run(given={"plate": plain})
+    assert seen == {"length": 4.0, "size": (48, 64)}
+    graph.run(given={"plate": plain}, scale=0.5)
+    assert seen == {"length": 2.0, "size": (24, 32)}
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "words"),
+    [
+        ({"outputs": ["brigth"]}, CommandError, "did you mean 'bright'"),
+        ({"outputs": ["tones.mno"]}, CommandError, "did you mean 'mono'"),
+        ({"outputs": ["out"]}, CommandError, "only writes"),
+        ({"given": {"plat": picture()}}, CommandError, "did you mean 'plate'"),
+        ({"given": {"plate": np.ones((4, 4, 3))}}, ArgumentError, "expected an Image, found ndarray.*from_array"),
+        ({"given": {"plate": Image.from_array(np.ones((4, 4, 2)))}}, ArgumentError, "expected color, found flow"),
+        ({"given": {"plate": picture(), "plate.image": picture()}}, ArgumentError, "given twice"),
+        ({"outputs": ["bright"]}, CommandError, "node 'plate' reads a file, but none is set"),
+        ({"set": {"plate.file": "no/such.exr"}, "outputs": ["bright"]}, ReadError, "no such file"),
+        ({"set": {"stop": 1}}, GraphError, "stops"),
+        ({"scale": 2}, ArgumentError, "above 0 up to 1"),
+    ],
+)
+def test_what_cannot_be_done(graph, options, error, words):
+    with pytest.raises(error, match=words):
+        graph.run(**options)
+
+
+def test_a_missing_frame_that_would_be_skipped_is_an_error_here(graph):
+    with pytest.raises(CommandError, match="skipped"):
+        graph.run(set={"plate.file": "no.####.exr", "plate.missing": "skip"}, outputs=["plate"])
+
+
+def test_errors_say_node_and_frame(graph):
+    with pytest.raises(FlowabsError) as failure:
+        graph.run(12, set={"plate.file": "no/such.exr"}, outputs=["plate"])
+    assert (failure.value.node, failure.value.frame, failure.value.file) == ("plate", 12, "no/such.exr")
+
+
+def test_notes_go_to_the_listener_or_to_the_log(graph, tmp_path, caplog):
+    file = {"plate.file": str(plate(tmp_path / "a.exr"))}
+    events = []
+    graph.run(set=file, outputs=["plate"], on_event=events.append)
+    assert events
+    assert {(event["event"], event["node"], event["frame"]) for event in events} == {("note", "plate", 1)}
+    with caplog.at_level(logging.INFO, "flowabs"):
+        graph.run(set=file, outputs=["plate"])
+    assert [events[0]["text"] in record.message for record in caplog.records]
+
+
+def test_a_graph_with_values_set_can_still_be_run(graph):
+    assert isinstance(graph.with_set({"stops": 0}), RunnableGraph)
+    image = picture()
+    assert graph.with_set({"stops": 0}).run(given={"plate": image})["bright"].pixels.tolist() == image.pixels.tolist()
+
+
+def test_a_result_is_let_go_after_its_last_use():
+    import gc
+    import weakref
+
+    held = []
+
+    def watch(context, image):
+        gc.collect()
+        assert sum(each() is not None for each in held) <= 1, "only the input may still be held"
+        result = image.with_pixels(image.pixels + 1)
+        held.append(weakref.ref(result))
+        return result
+
+    port = Port("image", "color", "A picture.")
+    node = Node("watch", 1, "Watches.", (port,), (Port("image", "=image", "Plus 1."),), (), watch)
+    chain = {f"n{i}": {"type": "watch@1", "inputs": {"image": f"n{i - 1}" if i else "plate"}} for i in range(5)}
+    graph = load_graph(graphs.load(document(**chain), catalogue() | {"watch": node}))
+    out = graph.run(given={"plate": picture()}, outputs=["n4"])
+    np.testing.assert_allclose(out["n4"].pixels, picture().pixels + 5, rtol=1e-5)
