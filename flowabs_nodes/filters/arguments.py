@@ -100,9 +100,9 @@ def _array(name: str, value: npt.ArrayLike, shapes: str, fits: Any) -> Array:
         raise ArgumentError(
             f"{name}: expected shape {shapes} with at least one pixel, found {array.shape}", parameter=name
         )
-    result: Array = np.ascontiguousarray(array, np.float32)
-    # One pass that makes no copy: a sum of finite float32 numbers in float64 is finite.
-    with np.errstate(invalid="ignore"):  # Inf - Inf
+    with np.errstate(over="ignore", invalid="ignore"):  # numbers beyond float32; Inf - Inf
+        result: Array = np.ascontiguousarray(array, np.float32)
+        # One pass that makes no copy: a sum of finite float32 numbers in float64 is finite.
         total = float(result.sum(dtype=np.float64))
     if not math.isfinite(total):
         bad = int(result.size - np.isfinite(result).sum())

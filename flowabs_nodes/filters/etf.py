@@ -7,8 +7,8 @@ does not depend on x. w_m (eq. 3) is linear in ĝ(y). So, k normalising,
 
 and all that is summed over the kernel is N and ĝN: box sums, taken from running sums down the columns. Of a tensor,
 the trace |t|^2 never changes from one iteration to the next; what is left is c = t.x^2 - t.y^2 and s = 2 t.x t.y. The
-running sums are integers in fixed point. They may wrap, their differences are exact modulo 2^32 all the same: no drift,
-and the same bits however the picture is divided among threads.
+running sums are integers in fixed point, so their differences are exact: no drift, and the same bits however the
+picture is divided among threads.
 """
 
 from __future__ import annotations
@@ -138,7 +138,7 @@ class _Pass:
     @staticmethod
     def prepare(tangent: Array, strength: Array, reach: Int64) -> _Pass:
         pixels = 2 * int((2 * reach + 1).sum()) - int(2 * reach[0] + 1)
-        scale = np.float32(2.0 ** min(20, 30 - pixels.bit_length()))  # so that no kernel's sum reaches 2^31
+        scale = np.float32(2.0 ** min(20, 30 - pixels.bit_length()))  # no kernel's sum reaches 2^31
         trace = np.empty_like(strength)
         _trace(tangent, strength, reach, scale, trace)
         return _Pass(reach, scale, trace)
@@ -154,7 +154,7 @@ def _smooth(tangent: Array, strength: Array, trace: Array, reach: Int64, scale: 
         running = _running_sums(tangent, strength, np.float32(-1), top, bottom, reach.size - 1, scale)
         sums = np.empty((4, width), np.int32)
         for y in range(first, last):
-            for p in range(4):
+            for p in range(4):  # a loop, since four calls in a row would be inlined and vectorise badly: half the speed
                 _kernel_sums(running[p], y - top, reach, sums[p])
             _turn(tangent[y], strength[y], trace[y], sums[0], sums[1], sums[2], sums[3], smoothed[y])
 

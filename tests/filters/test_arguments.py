@@ -44,11 +44,18 @@ def test_wrong_dtypes_are_named(value):
     assert error.value.code == "wrong-type"
 
 
+@pytest.mark.filterwarnings("error")
 def test_pixels_that_are_not_finite_are_counted():
     value = np.zeros((4, 5))
     value[0, 0], value[1, 1], value[2, 2] = np.nan, np.inf, -np.inf
     with pytest.raises(ArgumentError, match="code: expected finite pixels, found 3 that are NaN or Inf"):
         arguments.plane("code", value)
+
+
+@pytest.mark.filterwarnings("error")
+def test_numbers_beyond_float32_are_not_finite():
+    with pytest.raises(ArgumentError, match="found 2 that are NaN or Inf"):
+        arguments.plane("code", np.array([[1e300, -1e300, 1]]))
 
 
 def test_the_largest_finite_pixels_are_finite():

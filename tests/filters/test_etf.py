@@ -6,6 +6,7 @@ from hypothesis.extra.numpy import arrays
 
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import etf, measure_reference
+from flowabs_nodes.filters.gradient import gradient
 from tests.filters.pictures import noise, photo
 from tests.naive import etf as naive
 
@@ -76,12 +77,13 @@ def test_tangents_are_unit_or_zero_without_fill(code, radius, kernel):
     np.testing.assert_allclose(length, 1, rtol=1e-6)
     length = np.linalg.norm(etf(code, radius, 2, kernel, fill=None), axis=-1)
     np.testing.assert_allclose(length[length > 0], 1, rtol=1e-6)
-    np.testing.assert_array_equal(length > 0, naive.gradient(code)[1] > 0)
+    np.testing.assert_array_equal(length > 0, gradient(code).magnitude > 0)
 
 
 @given(code=small_pictures, radius=st.floats(0, 12))
 @settings(deadline=None, max_examples=100)
 def test_a_turned_picture_has_a_turned_flow(code, radius):
+    code = np.round(code)  # gradients that are exact: what is zero one way round is zero the other
     flow = etf(code, radius, fill=None)
     turned = etf(np.rot90(code), radius, fill=None)
     expected = np.rot90(np.stack([flow[..., 1], -flow[..., 0]], -1))  # (x, y) -> (y, -x), y down
