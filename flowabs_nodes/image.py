@@ -37,11 +37,17 @@ class Window(NamedTuple):
 
 @dataclass(frozen=True)
 class Origin:
-    """The file an image was read from; ``part`` is its index there, ``layer`` the layer that was taken."""
+    """The file an image was read from.
+
+    ``part`` is its index there, ``layer`` the layer and ``channels`` the channels that were taken. ``alpha`` names the
+    file's alpha where the image leaves it out (ignored, or 0 in every pixel): what is written gets it back as it was.
+    """
 
     file: str
     part: int = 0
     layer: str = ""
+    channels: tuple[str, ...] = ()
+    alpha: str = ""
 
 
 class Image:

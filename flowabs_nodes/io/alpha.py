@@ -12,7 +12,7 @@ CHOICES = ("auto", "ignore", "premultiplied", "straight")
 
 
 def is_straight(spec: oiio.ImageSpec, kind: str) -> bool:
-    """True if a file's colour is not multiplied by its alpha: always in PNG, in TIFF if the file says so, never in EXR."""
+    """True if a file's colour is not multiplied by its alpha: always in PNG, in TIFF if it says so, never in EXR."""
     return kind == "png" or (kind == "tiff" and spec.get_int_attribute("oiio:UnassociatedAlpha", 0) == 1)
 
 

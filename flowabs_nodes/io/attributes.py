@@ -45,6 +45,28 @@ _STORAGE = (
     "Exif:PixelXDimension",
     "Exif:PixelYDimension",
     "CICP",
+    "colorInteropID",
+)
+
+#: EXR attributes that are no metadata: the file cannot be read without them, or with others.
+_STRUCTURE = (
+    "channels",
+    "chromaticities",
+    "chunkCount",
+    "dataWindow",
+    "displayWindow",
+    "dwaCompressionLevel",
+    "lineOrder",
+    "multiView",
+    "name",
+    "pixelAspectRatio",
+    "preview",
+    "screenWindowCenter",
+    "screenWindowWidth",
+    "tiles",
+    "type",
+    "view",
+    "zipCompressionLevel",
 )
 
 _MATRICES = {9: (3, 3), 16: (4, 4)}
@@ -55,13 +77,22 @@ def values(spec: oiio.ImageSpec) -> dict[str, tuple[str, Any]]:
     found = {}
     for attribute in spec.extra_attribs:
         value = attribute.value
-        found[attribute.name] = (str(attribute.type), tuple(value.ravel().tolist()) if isinstance(value, np.ndarray) else value)
+        found[attribute.name] = (
+            str(attribute.type),
+            tuple(value.ravel().tolist()) if isinstance(value, np.ndarray) else value,
+        )
     return found
 
 
 def describes_picture(name: str) -> bool:
     """False for an attribute that only says how a file stored its pixels."""
     return not name.startswith(_STORAGE)
+
+
+def settable(name: str) -> bool:
+    """True for an attribute that ``write.metadata`` may set: none that says how pixels are stored or where they lie."""
+    fits = 0 < len(name.encode("utf-8", "replace")) <= 255 and "\0" not in name
+    return fits and EXR_NAMES.get(name, name) not in _STRUCTURE and describes_picture(name)
 
 
 def to_exr(name: str, kind: str, value: Any) -> tuple[str, Any] | None:
@@ -112,7 +143,7 @@ def to_spec(header: dict[str, Any], spec: oiio.ImageSpec) -> None:
         elif isinstance(value, tuple) and len(value) == 8:
             spec.attribute(theirs, oiio.TypeDesc("float[8]"), value)
         elif isinstance(value, np.ndarray) and value.dtype == np.float32 and value.size in (2, 3, 16):
-            kind = {2: oiio.TypeVector2, 3: oiio.TypeVector, 16: oiio.TypeMatrix}[value.size]
+            kind = {2: oiio.TypeFloat2, 3: oiio.TypeVector, 16: oiio.TypeMatrix}[value.size]
             spec.attribute(theirs, kind, tuple(value.ravel().tolist()))
 
 

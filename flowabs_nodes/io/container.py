@@ -32,7 +32,7 @@ class PictureFile(Protocol):
     specs: tuple[oiio.ImageSpec, ...]
 
     def read(self, part: int, channels: Sequence[str]) -> npt.NDArray[np.float32]:
-        """(H, W, C) float32 of these channels, in this order. Whole numbers of an EXR stay what they are, others are 0..1."""
+        """(H, W, C) float32 of these channels, in this order. Whole numbers are 0..1, but an EXR's stay."""
         ...
 
     def read_native(self, part: int, channels: Sequence[str]) -> dict[str, npt.NDArray[Any]]:
@@ -59,7 +59,7 @@ def open_picture(path: str | os.PathLike[str], settings: Settings) -> Iterator[P
     try:
         if source.format_name() != kind:
             raise ReadError(f"not what its name says: {source.format_name()}", code="bad-format", file=name)
-        specs = []
+        specs: list[oiio.ImageSpec] = []
         while source.seek_subimage(len(specs), 0):
             specs.append(oiio.ImageSpec(source.spec()))
         reason(source)  # the last seek was one too far
@@ -126,7 +126,9 @@ class _OiioFile:
         pixels = self._source.read_image(part, 0, begin, end, kind)
         why = reason(self._source)
         if pixels is None:
-            raise ReadError(f"damaged or cut short: {why or 'its pixels cannot be decoded'}", code="damaged", file=self.path)
+            raise ReadError(
+                f"damaged or cut short: {why or 'its pixels cannot be decoded'}", code="damaged", file=self.path
+            )
         spec = self.specs[part]
         return np.asarray(pixels).reshape(spec.height, spec.width, end - begin)
 
@@ -138,7 +140,10 @@ def check_size(path: str, spec: oiio.ImageSpec, channels: int, settings: Setting
         raise ReadError(f"{size} pixels, {spec.depth} deep: not a picture", file=path)
     if spec.width * spec.height > settings.max_pixels:
         raise ReadError(
-            f"{size} is more than {settings.max_pixels:,} pixels", code="too-large", hint="--max-pixels raises the limit", file=path
+            f"{size} is more than {settings.max_pixels:,} pixels",
+            code="too-large",
+            hint="--max-pixels raises the limit",
+            file=path,
         )
     if spec.width * spec.height * channels > CHANNELS_AT_MOST * settings.max_pixels:
         raise ReadError(

@@ -42,7 +42,9 @@ def to_read(path: str | os.PathLike[str]) -> str:
     if os.path.isdir(name):
         raise ReadError("is a folder, not a picture", file=name)
     if expected is None:
-        raise ReadError(f"not a picture format that is read here; these are {_known(EXTENSIONS)}", code="bad-format", file=name)
+        raise ReadError(
+            f"not a picture format that is read here; these are {_known(EXTENSIONS)}", code="bad-format", file=name
+        )
     try:
         with open(name, "rb") as file:
             start = file.read(16)

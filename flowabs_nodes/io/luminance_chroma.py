@@ -39,7 +39,9 @@ class LuminanceChromaFile:
         header, channels = self._open(header_only=True)
         missing = {"Y", "RY", "BY"} - set(channels)
         if missing or set(channels) - {"Y", "RY", "BY", "A"}:
-            raise self._error(f"channels {','.join(sorted(channels))} with subsampling; only Y,RY,BY[,A] can be read so")
+            raise self._error(
+                f"channels {','.join(sorted(channels))} with subsampling; only Y,RY,BY[,A] can be read so"
+            )
         low, high = header["dataWindow"]
         full_low, full_high = header["displayWindow"]
         spec = oiio.ImageSpec(int(high[0] - low[0]) + 1, int(high[1] - low[1]) + 1, 4 if "A" in channels else 3, "half")
@@ -51,7 +53,7 @@ class LuminanceChromaFile:
         check_size(path, spec, 4, settings)
         if spec.width * spec.height * 2 > _SHRINKS_AT_MOST * os.path.getsize(path):
             raise self._error(f"{spec.width}x{spec.height} pixels cannot be in a file this small")
-        self.specs = (spec,)
+        self.specs: tuple[oiio.ImageSpec, ...] = (spec,)
 
     def read(self, part: int, channels: Sequence[str]) -> Array:
         """(H, W, C) of R, G, B, A in any order."""
@@ -88,7 +90,7 @@ class LuminanceChromaFile:
     def _full(self, channel: Any, name: str) -> Array:
         """A chroma channel on every pixel; samples lie at the plane's even x and y."""
         spec = self.specs[0]
-        plane = channel.pixels.astype(np.float32)
+        plane: Array = channel.pixels.astype(np.float32)
         steps = (channel.ySampling, channel.xSampling)
         for axis, (first, size) in enumerate(((spec.y, spec.height), (spec.x, spec.width))):
             if steps[axis] not in (1, 2):
@@ -102,7 +104,7 @@ class LuminanceChromaFile:
 
 
 def _upsampled(samples: Array, first: int, size: int) -> Array:
-    """Samples along axis 0 at ``first``, first + 2 ... set on ``size`` places; between them the filter, ends repeated."""
+    """Samples along axis 0 at ``first``, ``first`` + 2 ... on ``size`` places; the filter between them."""
     result = np.empty((size, *samples.shape[1:]), np.float32)
     result[first::2] = samples
     count = len(samples)

@@ -16,7 +16,9 @@ Array = npt.NDArray[np.float32]
 def count(pixels: npt.NDArray[np.floating]) -> tuple[int, int]:
     """How many values are NaN, and how many are Inf."""
     # One pass without a copy: a sum of finite float32 numbers in float64 is finite.
-    if math.isfinite(float(pixels.sum(dtype=np.float64))):
+    with np.errstate(invalid="ignore"):  # Inf - Inf
+        total = float(pixels.sum(dtype=np.float64))
+    if math.isfinite(total):
         return 0, 0
     nans = int(np.isnan(pixels).sum())
     return nans, int(pixels.size - nans - np.isfinite(pixels).sum())

@@ -10,7 +10,12 @@ import OpenImageIO as oiio
 from flowabs_nodes.errors import ReadError, nearest
 
 #: How files call red, green, blue, alpha.
-_RGBA = (("R", "G", "B", "A"), ("r", "g", "b", "a"), ("red", "green", "blue", "alpha"), ("Red", "Green", "Blue", "Alpha"))
+_RGBA = (
+    ("R", "G", "B", "A"),
+    ("r", "g", "b", "a"),
+    ("red", "green", "blue", "alpha"),
+    ("Red", "Green", "Blue", "Alpha"),
+)
 _GREY = (("Y", "A"), ("y", "a"))
 
 
@@ -34,7 +39,7 @@ class Selection(NamedTuple):
 
 
 def layer_of(channel: str) -> str:
-    """"diffuse.R" is of layer "diffuse", "Z" of "Z", and R, G, B, A are of the main layer, ""."""
+    """ "diffuse.R" is of layer "diffuse", "Z" of "Z", and R, G, B, A are of the main layer, ""."""
     before, dot, _ = channel.rpartition(".")
     if dot:
         return before
@@ -84,7 +89,9 @@ def choose_data(specs: Sequence[oiio.ImageSpec], layer: str = "", part: str | in
     for index in candidates:
         if part_name(specs[index]) == layer:
             return Selection(index, layer, tuple(specs[index].channelnames))
-    known = {name for index in candidates for channel in specs[index].channelnames for name in (channel, layer_of(channel))}
+    known = {
+        name for index in candidates for channel in specs[index].channelnames for name in (channel, layer_of(channel))
+    }
     known |= {part_name(specs[index]) for index in candidates}
     message = f"layer {layer!r} is not in the file; {_listing(specs)}"
     raise ReadError(message, code="no-layer", hint=nearest(layer, known - {""}), parameter="layer")
@@ -120,7 +127,7 @@ def _pick(channels: Sequence[str], prefix: str, families: Iterable[tuple[str, ..
 
 def _color_layers(specs: Sequence[oiio.ImageSpec], parts: Sequence[int]) -> dict[str, Selection]:
     """Every layer with red, green and blue."""
-    layers = {}
+    layers: dict[str, Selection] = {}
     for index in parts:
         for layer in dict.fromkeys(name.rpartition(".")[0] for name in specs[index].channelnames):
             found = _pick(specs[index].channelnames, layer and layer + ".", _RGBA)
@@ -130,7 +137,7 @@ def _color_layers(specs: Sequence[oiio.ImageSpec], parts: Sequence[int]) -> dict
 
 
 def _only_layer(specs: Sequence[oiio.ImageSpec], parts: Sequence[int], part: str | int) -> Selection:
-    """Where there are no plain R, G, B: Blender's "Combined", or the one layer that has colour, if it is the only one."""
+    """Where there are no plain R, G, B: Blender's "Combined", or the one layer that has colour."""
     layers = _color_layers(specs, parts)
     combined = [layer for layer in layers if layer.endswith(".Combined")]
     single = combined if len(combined) == 1 else list(layers)

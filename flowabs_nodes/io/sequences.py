@@ -150,4 +150,3 @@ class Sequence:
 def listing(frames: tuple[int, ...]) -> str:
     """Frames as a range, for messages: (1, 2, 3, 7) is "1-3,7"."""
     return str(fileseq.FrameSet(frames).frange) if frames else "none"
-

@@ -42,7 +42,9 @@ def checked(path: str | os.PathLike[str], settings: Settings) -> Path:
         raise CommandError(f"{name!r} is an address, not a file", code="bad-path", hint="give a path on this machine")
     if settings.root is not None and not within(name, settings.root):
         raise CommandError(
-            f"outside {os.fspath(settings.root)}, the folder this run may read and write", code="outside-root", file=name
+            f"outside {os.fspath(settings.root)}, the folder this run may read and write",
+            code="outside-root",
+            file=name,
         )
     return Path(name)
 

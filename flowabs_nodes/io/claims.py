@@ -1,0 +1,235 @@
+"""Claims: a frame that is being written has a temporary file beside it, opened exclusively and locked (DESIGN 7).
+
+``.{name}.{host}.{pid}.tmp`` says who writes. While the writer lives nobody else writes that frame; when it is killed,
+its lock is gone and the next one sweeps the file away. Nothing is ever at the final name but a whole frame.
+"""
+
+from __future__ import annotations
+
+import errno
+import importlib
+import os
+import re
+import socket
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from flowabs_nodes.errors import WriteError
+from flowabs_nodes.io.sequences import Sequence
+
+fcntl: Any
+try:
+    fcntl = importlib.import_module("fcntl")
+except ImportError:  # Windows: a claim lives as long as it is young
+    fcntl = None
+
+#: Seconds after which a claim whose writer cannot be seen from here (another host) counts as dead.
+STALE_AFTER = 24 * 3600.0
+
+HOST = re.sub(r"[^A-Za-z0-9_-]", "-", socket.gethostname()) or "localhost"
+_CLAIM = re.compile(r"\.(?P<name>.+)\.(?P<host>[A-Za-z0-9_-]+)\.(?P<pid>\d{1,10})\.tmp", re.DOTALL)
+
+
+class ClaimedError(WriteError):
+    """Somebody else is writing this frame."""
+
+    code = "claimed"
+
+
+@dataclass(frozen=True)
+class Claim:
+    """The right to write one file: ``temporary`` is where its bytes go first, open as ``fd``."""
+
+    final: Path
+    temporary: Path
+    fd: int
+
+    def write(self, data: bytes | memoryview) -> None:
+        """Every byte of ``data``, on disk when this returns."""
+        rest = memoryview(data)
+        while rest:
+            rest = rest[os.write(self.fd, rest) :]  # a write may be short
+        os.fsync(self.fd)
+
+    def publish(self) -> None:
+        """Give the temporary its final name, in one step; a symbolic link there is replaced, not followed."""
+        os.replace(self.temporary, self.final)
+        _sync_folder(self.final.parent)
+
+
+@contextmanager
+def claim(path: str | os.PathLike[str]) -> Iterator[Claim]:
+    """Claim the file ``path``; its folder is made. Without :meth:`Claim.publish` the temporary is removed at the end.
+
+    Raises ClaimedError where somebody else is writing it, WriteError where its folder cannot be written.
+    """
+    final = Path(path)
+    try:
+        final.parent.mkdir(parents=True, exist_ok=True)
+        if final.is_dir() and not final.is_symlink():
+            raise WriteError("there is a folder of this name", file=str(final))
+        temporary, fd = _take(final)
+    except OSError as error:
+        raise failure(error, final) from error
+    try:
+        yield Claim(final, temporary, fd)
+    finally:
+        # Removed while it is still locked: nobody else can have this name in between. After a publish it is gone.
+        with suppress(FileNotFoundError):
+            os.unlink(temporary)
+        os.close(fd)
+
+
+def failure(error: OSError, path: str | os.PathLike[str]) -> WriteError:
+    """What an OSError while writing means: code "disk-full", "unwritable" or "write-failed"."""
+    name = os.fspath(path)
+    if error.errno in (errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC)):
+        return WriteError("no space is left on the disk", code="disk-full", file=name)
+    if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS):
+        return WriteError("its folder is not writable", code="unwritable", file=name)
+    return WriteError(f"cannot be written: {error.strerror or error}", file=name)
+
+
+def check_writable(folder: str | os.PathLike[str]) -> None:
+    """Raise WriteError where no file could be made in ``folder``, or in the nearest folder above that exists."""
+    place = Path(folder)
+    while not place.exists() and place != place.parent:
+        place = place.parent
+    probe = place / f".flowabs.{HOST}.{os.getpid()}.{time.monotonic_ns()}.probe"
+    try:
+        os.close(os.open(probe, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600))
+        os.unlink(probe)
+    except OSError as error:
+        raise failure(error, folder) from error
+
+
+def sweep(folder: str | os.PathLike[str], *patterns: str) -> list[Path]:
+    """Remove the temporaries of dead writers of these file names or sequence patterns; returns what was removed.
+
+    Dead are those on this host whose lock is free, and those of other hosts that are older than a day.
+    """
+    sequences = [Sequence(os.path.basename(pattern)) for pattern in patterns]
+    with _folder_lock(Path(folder)):
+        return _sweep(Path(folder), lambda name: any(sequence.frame_of(name) is not None for sequence in sequences))
+
+
+def _sweep(folder: Path, is_ours: Callable[[str], bool]) -> list[Path]:
+    removed = []
+    for path, name, host, pid in _claims_in(folder):
+        if is_ours(name) and not _lives(path, host, pid):
+            with suppress(OSError):
+                path.unlink()
+                removed.append(path)
+    return removed
+
+
+def _take(final: Path) -> tuple[Path, int]:
+    """Make and lock our temporary, unless a living one of somebody else's is there."""
+    temporary = final.parent / f".{final.name}.{HOST}.{os.getpid()}.tmp"
+    with _folder_lock(final.parent):
+        _sweep(final.parent, lambda name: name == final.name)
+        others = _others(final, temporary)
+        if others:
+            raise _claimed(final, *others[0])
+        try:
+            fd = os.open(temporary, os.O_CREAT | os.O_EXCL | os.O_RDWR | getattr(os, "O_BINARY", 0), 0o666)
+        except FileExistsError:  # another thread of this process
+            raise _claimed(final, HOST, os.getpid()) from None
+        if fcntl is not None:
+            with suppress(OSError):  # a file system without locks: the process id and the age must do
+                fcntl.flock(fd, fcntl.LOCK_EX)
+        # Where the folder could not be locked somebody may have come in between: then both see the other, and stop.
+        others = _others(final, temporary)
+    if others:
+        os.unlink(temporary)
+        os.close(fd)
+        raise _claimed(final, *others[0])
+    return temporary, fd
+
+
+def _claimed(final: Path, host: str, pid: int) -> ClaimedError:
+    return ClaimedError(f"being written by {host}:{pid}", file=str(final))
+
+
+def _others(final: Path, own: Path) -> list[tuple[str, int]]:
+    """Who else has a claim on ``final``; the dead have been swept before."""
+    return [(host, pid) for path, name, host, pid in _claims_in(final.parent) if name == final.name and path != own]
+
+
+def _claims_in(folder: Path) -> Iterator[tuple[Path, str, str, int]]:
+    try:
+        names = os.listdir(folder)
+    except OSError:
+        return
+    for entry in names:
+        match = _CLAIM.fullmatch(entry)
+        if match:
+            yield folder / entry, match["name"], match["host"], int(match["pid"])
+
+
+def _lives(path: Path, host: str, pid: int) -> bool:
+    """True while the writer of a temporary may still be at work."""
+    try:
+        age = time.time() - path.stat().st_mtime
+    except OSError:
+        return False  # gone already
+    if host == HOST and fcntl is not None:
+        try:
+            fd = os.open(path, os.O_RDWR)
+        except FileNotFoundError:
+            return False
+        except OSError:
+            return _process_lives(pid)
+        try:
+            fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return True
+        except OSError:  # a file system without locks
+            return _process_lives(pid)
+        finally:
+            os.close(fd)
+        return False
+    return age < STALE_AFTER
+
+
+def _process_lives(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    except (OSError, OverflowError):
+        return True
+    return True
+
+
+@contextmanager
+def _folder_lock(folder: Path) -> Iterator[None]:
+    """One process of this host at a time looks for claims and makes its own, where folders can be locked."""
+    if fcntl is None:
+        yield
+        return
+    try:
+        fd = os.open(folder, os.O_RDONLY)
+    except OSError:  # a folder that may be written but not listed
+        yield
+        return
+    try:
+        with suppress(OSError):
+            fcntl.flock(fd, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(fd)
+
+
+def _sync_folder(folder: Path) -> None:
+    """Make a rename last through a power cut, where the system can."""
+    with suppress(OSError):
+        fd = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(fd)
+        finally:
+            os.close(fd)

@@ -1,0 +1,160 @@
+"""A picture as the bytes of an EXR file, made in memory by the OpenEXR module.
+
+Not by OpenImageIO: on a full disk its writer can report success over a file cut short.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import OpenEXR
+import OpenImageIO as oiio
+
+from flowabs_nodes import color
+from flowabs_nodes.color import ocio
+from flowabs_nodes.errors import WriteError
+from flowabs_nodes.image import Array, Image
+from flowabs_nodes.io import alpha as alphas
+from flowabs_nodes.io import attributes, exr_header, nonfinite
+from flowabs_nodes.io.kept import alpha_left_out, kept_layers
+from flowabs_nodes.io.picture import Picture, layer_planes, main_planes
+
+Say = Callable[[str], None]
+Planes = dict[str, npt.NDArray[Any]]
+
+HALF_MAX = 65504.0
+
+#: What all parts of a file must agree on.
+_SHARED = ("displayWindow", "pixelAspectRatio", "timeCode", "chromaticities")
+_TYPES = {"float16": "half", "float32": "float", "uint32": "uint"}
+
+
+def encode_exr(picture: Picture, stamps: Mapping[str, str], warn: Say) -> bytes:
+    """The file: the main part with image, layers and kept layers, then kept parts. ``stamps`` go into the main part."""
+    channels: Planes = {}
+    for name, layer in picture.layers.items():
+        planes = layer_planes(name, layer, _pixels(picture, layer))
+        channels.update(_typed(name, layer, planes, _data_type(picture, layer, warn), warn))
+    planes = main_planes(picture.image, _pixels(picture, picture.image))
+    channels.update(_typed("image", picture.image, planes, _data_type(picture, picture.image, warn), warn))
+    channels.update(alpha_left_out(picture, warn))
+    kept = kept_layers(picture, warn)
+    channels = {**kept.channels, **channels}
+
+    header = exr_header.exr_header(picture.image, picture.settings, warn)
+    header.update(_color_tags(picture, header))
+    for name, value in picture.metadata.items():
+        translated = attributes.to_exr(name, "", value)
+        if translated is None:
+            raise WriteError(f"metadata {name!r}: an EXR attribute's name has at most 255 bytes", parameter="metadata")
+        header[translated[0]] = translated[1]
+    header.update(stamps)
+    plate = exr_header.plate_compression(picture.image.spec)
+    parts = [_part(header, channels, picture.compression, plate if picture.plate_is_exr else "", warn)]
+    for other, planes in kept.parts:
+        theirs = other.pop("compression", "")
+        other = {**other, **{name: header[name] for name in _SHARED if name in header}}
+        other = {name: value for name, value in other.items() if name in header or name not in _SHARED}
+        parts.append(_part(other, planes, "auto", theirs, warn))
+    if len(parts) > 1:
+        _name(parts)
+    stream = io.BytesIO()
+    try:
+        OpenEXR.File([OpenEXR.Part(part, planes, part.get("name", "")) for part, planes in parts]).write(stream)
+    except (RuntimeError, ValueError, TypeError) as error:
+        raise WriteError(f"cannot be encoded as EXR: {error}") from error
+    return stream.getvalue()
+
+
+def _pixels(picture: Picture, image: Image) -> Array:
+    """An image's pixels in the space that the file is to have: only colour is ever converted."""
+    if image.type != "color" or picture.colorspace == "plate":
+        return image.pixels
+    rgb, coverage = image.pixels[..., :3], image.alpha
+    straight = rgb if coverage is None else alphas.straight(rgb, coverage)
+    encoded = ocio.encode_named(straight, image.colorspace, picture.colorspace, picture.settings.ocio)
+    if coverage is not None:
+        encoded = alphas.premultiplied(encoded, coverage)
+        hollow = coverage <= 0
+        encoded[hollow] = rgb[hollow]
+    return np.concatenate([encoded, image.pixels[..., 3:]], axis=2)
+
+
+def _color_tags(picture: Picture, header: dict[str, Any]) -> dict[str, Any]:
+    """What the file says about its colours: what the plate said, unless that is no longer true."""
+    if picture.colorspace != "plate":
+        header.pop("chromaticities", None)
+        return exr_header.color_tags(picture.colorspace)
+    encoded = color.detect(picture.image.spec, ocio=picture.settings.ocio).encoding is not None
+    if (encoded or not picture.plate_is_exr) and picture.image.type == "color":
+        header.pop("chromaticities", None)
+        return exr_header.color_tags(picture.image.colorspace.name)
+    return {}
+
+
+def _data_type(picture: Picture, image: Image, warn: Say) -> str:
+    """ "half" or "float" for the channels of an image."""
+    if picture.data_type in ("half", "float"):
+        return picture.data_type
+    if picture.data_type != "auto" and image is picture.image:
+        warn(f"EXR cannot hold {picture.data_type}: data_type auto is used")
+    if image.type == "flow":
+        return "float"
+    basetype = image.spec.format.basetype
+    if image.type == "data":
+        return "half" if basetype == oiio.HALF else "float"
+    return "float" if basetype in (oiio.FLOAT, oiio.DOUBLE) and image.origin is not None else "half"
+
+
+def _typed(name: str, image: Image, planes: Mapping[str, Array], kind: str, warn: Say) -> Planes:
+    """Planes in their final type, without a NaN or an Inf that nobody has been told of."""
+    nans, infs = nonfinite.count(image.pixels)
+    if image.type == "data" and (nans or infs):
+        warn(f"{name}: {nonfinite.said(nans, infs)} written as they are")
+    elif nans:
+        warn(f"{name}: {nans} NaN written as 0")
+    limit = np.float32(HALF_MAX if kind == "half" else np.finfo(np.float32).max)
+    clamped = 0
+    typed: Planes = {}
+    for channel, plane in planes.items():
+        if nans and image.type != "data":
+            plane = np.where(np.isnan(plane), np.float32(0), plane)
+        if not (plane.max() <= limit and plane.min() >= -limit):
+            beyond = np.abs(plane) > limit
+            if image.type == "data":
+                beyond &= np.isfinite(plane)
+            clamped += int(beyond.sum())
+            plane = np.where(beyond, np.copysign(limit, plane), plane)
+        typed[channel] = np.ascontiguousarray(plane, np.float16 if kind == "half" else np.float32)
+    if clamped:
+        warn(f"{name}: {clamped} values beyond {kind} clamped to ±{limit:.6g}")
+    return typed
+
+
+def _part(header: dict[str, Any], planes: Planes, wanted: str, plate: str, warn: Say) -> tuple[dict[str, Any], Planes]:
+    """Header and channels of a part, with its compression."""
+    types = {_TYPES[str(plane.dtype)] for plane in planes.values()}
+    chosen = wanted
+    if wanted == "auto":
+        chosen = plate if plate and exr_header.lossless(plate, types) else "zip"
+    elif not exr_header.lossless(wanted, types):
+        warn(f"compression {wanted} changes the picture each time it is saved, data layers too")
+    constant = exr_header.compression_of(chosen)
+    if constant is None:  # the plate's is newer than this OpenEXR
+        constant = OpenEXR.ZIP_COMPRESSION
+    return {**header, "type": OpenEXR.scanlineimage, "compression": constant}, planes
+
+
+def _name(parts: list[tuple[dict[str, Any], Planes]]) -> None:
+    """Parts of one file have names, all different."""
+    used: set[str] = set()
+    for index, (header, _) in enumerate(parts):
+        name = str(header.get("name") or ("rgba" if index == 0 else f"part{index}"))
+        while name in used:
+            name += "_"
+        used.add(name)
+        header["name"] = name

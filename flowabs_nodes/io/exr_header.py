@@ -1,0 +1,113 @@
+"""The header of an EXR that is written: the plate's own, word for word, with what changed on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import OpenEXR
+import OpenImageIO as oiio
+
+from flowabs_nodes.errors import FlowabsError
+from flowabs_nodes.image import Image, Window
+from flowabs_nodes.io import attributes, formats
+from flowabs_nodes.io.container import open_picture
+from flowabs_nodes.io.settings import Settings
+
+#: What the encoder decides, or what would no longer be true of new pixels (the thumbnail).
+_ENCODING = (
+    "channels",
+    "chunkCount",
+    "compression",
+    "dataWindow",
+    "displayWindow",
+    "dwaCompressionLevel",
+    "lineOrder",
+    "maxSamplesPerPixel",
+    "preview",
+    "tiles",
+    "type",
+    "zipCompressionLevel",
+)
+#: What a photograph's header says about printing it.
+_PRINT = ("XResolution", "YResolution", "ResolutionUnit")
+
+
+def exr_header(image: Image, settings: Settings, warn: Callable[[str], None]) -> dict[str, Any]:
+    """Attributes for the OpenEXR module: metadata and windows of an image, without what describes the encoding.
+
+    A plate that was an EXR hands its header on as it is, types included; an attribute that a node changed, added or
+    removed is changed, added or removed there. Any other image's attributes are translated.
+    """
+    ours = attributes.values(image.spec)
+    theirs, header = _plate(image, settings, warn)
+    for name in theirs.keys() - ours.keys():
+        header.pop(attributes.EXR_NAMES.get(name, name), None)
+    for name, (kind, value) in ours.items():
+        if theirs.get(name) != (kind, value) and attributes.describes_picture(name) and name not in _PRINT:
+            translated = attributes.to_exr(name, kind, value)
+            if translated is not None:
+                header[translated[0]] = translated[1]
+    header = {
+        name: value for name, value in header.items() if name not in _ENCODING and not name.startswith("flowabs:")
+    }
+    header["dataWindow"] = _box(image.data_window)
+    header["displayWindow"] = _box(image.display_window)
+    return header
+
+
+def header_of_part(path: str, part: int) -> dict[str, Any]:
+    """A part's own header, without what describes the encoding. Only for files that OpenImageIO has read."""
+    parts = OpenEXR.File(path, separate_channels=True, header_only=True).parts
+    header = {name: value for name, value in parts[part].header.items() if name not in _ENCODING}
+    for name in ("dataWindow", "displayWindow"):
+        header[name] = parts[part].header[name]
+    return header
+
+
+def _plate(image: Image, settings: Settings, warn: Callable[[str], None]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """An EXR plate's attributes as OpenImageIO gives them, and its header as the OpenEXR module does."""
+    origin = image.origin
+    if origin is None or formats.by_name(origin.file) != "openexr":
+        return {}, {}
+    try:
+        with open_picture(origin.file, settings) as file:
+            theirs = attributes.values(file.specs[origin.part])
+        return theirs, header_of_part(origin.file, origin.part)
+    except (FlowabsError, IndexError, RuntimeError, ValueError) as error:  # ValueError: text that is no UTF-8
+        warn(f"the plate's header cannot be copied word for word ({error}): its known attributes are written")
+        return {}, {}
+
+
+def _box(window: Window) -> tuple[Any, Any]:
+    low = np.array([window.x, window.y], np.int32)
+    return low, np.array([window.x + window.width - 1, window.y + window.height - 1], np.int32)
+
+
+def color_tags(name: str) -> dict[str, Any]:
+    """``colorInteropID``, and chromaticities where the name is a linear space that OpenEXR knows."""
+    if name.startswith("chromaticities("):
+        return {"chromaticities": tuple(float(number) for number in name[len("chromaticities(") : -1].split(","))}
+    interop = "lin_rec709_scene" if name == "lin_rec709" else name
+    known = OpenEXR.colorInteropIDToChromaticities(interop)
+    return {"colorInteropID": interop} | ({"chromaticities": known} if known else {})
+
+
+def lossless(compression: str, types: set[str]) -> bool:
+    """True if that compression gives back every bit of channels of these types ("half", "float", "uint")."""
+    name = compression.split(":")[0].lower()
+    if name == "pxr24":
+        return "float" not in types
+    return name in ("none", "rle", "zips", "zip", "piz", "zstd") or name.startswith("htj2k")
+
+
+def compression_of(name: str) -> Any:
+    """The OpenEXR module's constant, or None where it has none of that name."""
+    short = name.split(":")[0].upper()
+    return getattr(OpenEXR, "NO_COMPRESSION" if short == "NONE" else f"{short}_COMPRESSION", None)
+
+
+def plate_compression(spec: oiio.ImageSpec) -> str:
+    """The compression a plate came in, such as "zip" or "dwaa:45"; empty where it says none."""
+    return str(spec.get_string_attribute("compression"))

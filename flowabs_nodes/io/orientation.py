@@ -1,0 +1,33 @@
+"""Photographs that a camera stored lying on their side, turned upright."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+import OpenImageIO as oiio
+
+#: Exif orientation -> (swap x and y first, then mirror vertically, then mirror horizontally).
+_TURNS = {
+    2: (False, False, True),
+    3: (False, True, True),
+    4: (False, True, False),
+    5: (True, False, False),
+    6: (True, False, True),
+    7: (True, True, True),
+    8: (True, True, False),
+}
+
+
+def upright(pixels: npt.NDArray[np.float32], spec: oiio.ImageSpec) -> npt.NDArray[np.float32]:
+    """(H, W, C) as it is meant to be looked at; ``spec`` is changed to say so."""
+    turn = _TURNS.get(spec.get_int_attribute("Orientation", 1))
+    if turn is None:
+        return pixels
+    swap, down, across = turn
+    pixels = np.swapaxes(pixels, 0, 1) if swap else pixels
+    pixels = np.ascontiguousarray(pixels[:: -1 if down else 1, :: -1 if across else 1])
+    spec.height, spec.width = pixels.shape[:2]
+    spec.full_height, spec.full_width = pixels.shape[:2]
+    spec.x = spec.y = spec.full_x = spec.full_y = 0
+    spec.attribute("Orientation", 1)
+    return pixels

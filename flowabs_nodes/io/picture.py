@@ -1,0 +1,116 @@
+"""One frame ready to be written: the image, its layers, and how they are to be stored."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import OpenImageIO as oiio
+
+from flowabs_nodes.errors import ArgumentError
+from flowabs_nodes.image import Array, Image, Window
+from flowabs_nodes.io import formats
+from flowabs_nodes.io.settings import Settings
+
+Say = Callable[[str], None]
+
+DATA_TYPES = ("auto", "half", "float", "uint8", "uint16")
+COMPRESSIONS = ("auto", "none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab")
+
+
+@dataclass(frozen=True)
+class Picture:
+    """What ``write`` hands over; the file's format is known only when it is saved.
+
+    Attributes
+    ----------
+    image
+        The main picture: its windows and metadata are the file's.
+    layers
+        Further images by layer name, on the same data window.
+    data_type, compression, keep_layers, colorspace, metadata
+        As the parameters of ``write`` (DESIGN 5).
+    """
+
+    image: Image
+    layers: Mapping[str, Image] = field(default_factory=dict)
+    data_type: str = "auto"
+    compression: str = "auto"
+    keep_layers: str = ""
+    colorspace: str = "plate"
+    metadata: Mapping[str, str | float] = field(default_factory=dict)
+    settings: Settings = field(default_factory=Settings)
+
+    @property
+    def plate_is_exr(self) -> bool:
+        """True where the image comes from an EXR file."""
+        return self.image.origin is not None and formats.by_name(self.image.origin.file) == "openexr"
+
+
+def build_picture(
+    image: Image,
+    layers: Mapping[str, Image] | None = None,
+    *,
+    data_type: str = "auto",
+    compression: str = "auto",
+    keep_layers: str = "",
+    colorspace: str = "plate",
+    metadata: Mapping[str, str | float] | None = None,
+    settings: Settings | None = None,
+    warn: Say = lambda text: None,
+) -> Picture:
+    """A frame to save (:func:`flowabs_nodes.io.write.save`); layers are brought to the image's data window."""
+    for name, value, choices in (("data_type", data_type, DATA_TYPES), ("compression", compression, COMPRESSIONS)):
+        if value not in choices:
+            raise ArgumentError(f"{name}: expected one of {', '.join(choices)}, found {value!r}", parameter=name)
+    placed = {}
+    for name, layer in (layers or {}).items():
+        if layer.data_window != image.data_window:
+            warn(f"layer {name}: its data window is not the image's; it is cut, or 0 where it has no pixels")
+        placed[name] = layer.on_window(image.data_window)
+    return Picture(
+        image, placed, data_type, compression, keep_layers, colorspace, dict(metadata or {}), settings or Settings()
+    )
+
+
+def main_planes(image: Image, pixels: Array) -> dict[str, Array]:
+    """The main picture's channels: R, G, B[, A]; R = G = B of a mono or matte; a flow's and data's own."""
+    if image.type in ("mono", "matte"):
+        return dict.fromkeys(("R", "G", "B"), pixels[..., 0])
+    return {name: pixels[..., index] for index, name in enumerate(image.channels)}
+
+
+def layer_planes(name: str, image: Image, pixels: Array) -> dict[str, Array]:
+    """A layer's channels: n.R ..., n.Y of a mono or matte, n.x and n.y of a flow, n.<last part of its name> of data."""
+    short = [channel.rpartition(".")[2] for channel in image.channels]
+    if len(set(short)) < len(short):  # left.x and right.x would be one
+        short = list(image.channels)
+    return {f"{name}.{channel}": pixels[..., index] for index, channel in enumerate(short)}
+
+
+def moved(plane: npt.NDArray[Any], source: Window, target: Window) -> npt.NDArray[Any]:
+    """A plane of any data type on another data window: cut, and 0 where it has no pixels."""
+    if source == target:
+        return plane
+    result = np.zeros((target.height, target.width), plane.dtype)
+    x0, x1 = max(source.x, target.x), min(source.x + source.width, target.x + target.width)
+    y0, y1 = max(source.y, target.y), min(source.y + source.height, target.y + target.height)
+    if x0 < x1 and y0 < y1:
+        inside = plane[y0 - source.y : y1 - source.y, x0 - source.x : x1 - source.x]
+        result[y0 - target.y : y1 - target.y, x0 - target.x : x1 - target.x] = inside
+    return result
+
+
+def windows(spec: oiio.ImageSpec) -> tuple[Window, Window]:
+    """Data and display window of a header."""
+    data = Window(spec.x, spec.y, spec.width, spec.height)
+    return data, Window(spec.full_x, spec.full_y, spec.full_width, spec.full_height)
+
+
+def has_file(picture: Picture) -> bool:
+    """True where the plate's file is still there."""
+    return picture.image.origin is not None and os.path.exists(picture.image.origin.file)

@@ -1,0 +1,168 @@
+"""Reading plates and AOVs: from a file to the Image that travels through a graph (DESIGN 4.3, 5, 10)."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+
+import numpy as np
+import OpenImageIO as oiio
+
+from flowabs_nodes import color
+from flowabs_nodes.color import ocio
+from flowabs_nodes.errors import FlowabsError
+from flowabs_nodes.image import Array, Image, Origin
+from flowabs_nodes.io import alpha as alphas
+from flowabs_nodes.io import nonfinite as nonfinites
+from flowabs_nodes.io.container import open_picture
+from flowabs_nodes.io.orientation import upright
+from flowabs_nodes.io.selection import Selection, choose_color, choose_data
+from flowabs_nodes.io.settings import Settings, checked
+from flowabs_nodes.io.stamps import without_stamps
+
+Say = Callable[[str], None]
+
+NONFINITE = ("repair", "error")
+
+
+def _quiet(text: str) -> None:
+    """Nobody listens."""
+
+
+def read_image(
+    path: str | os.PathLike[str],
+    *,
+    layer: str = "",
+    part: str | int = "",
+    colorspace: str = "auto",
+    alpha: str = "auto",
+    nonfinite: str = "repair",
+    settings: Settings | None = None,
+    note: Say = _quiet,
+    warn: Say = _quiet,
+) -> Image:
+    """A plate as a color image: scene-linear, premultiplied, finite.
+
+    Parameters
+    ----------
+    layer
+        "" is the plain R, G, B[, A] (or grey Y) of the first part that has them; else a layer's name.
+    part
+        The part of a multi-part file, by index or name; "" looks through all.
+    colorspace
+        "auto" asks the file (:func:`flowabs_nodes.color.detect`); else any OCIO name.
+    alpha
+        "auto": premultiplied (straight in PNG), and opaque where A is 0 in every pixel; "ignore": opaque;
+        "premultiplied" and "straight": as said.
+    nonfinite
+        "repair" NaN and Inf from their neighbours, or "error".
+    settings, note, warn
+        The run's limits, and who is told what was found.
+
+    Raises
+    ------
+    ReadError
+        If the file is missing, damaged, too large, not what its name says, or has no such colour.
+    """
+    settings = settings or Settings()
+    name = os.fspath(checked(path, settings))
+    try:
+        with open_picture(name, settings) as file:
+            chosen = choose_color(file.specs, layer, part)
+            source = file.specs[chosen.part]
+            pixels = file.read(chosen.part, chosen.channels)
+            kind = file.format
+        photographed = kind != "openexr" and source.format.basetype not in (oiio.HALF, oiio.FLOAT, oiio.DOUBLE)
+        detected = color.detect(source, colorspace, settings.ocio, display_referred=photographed)
+        for text in (chosen.note, f"colour space {detected.how}"):
+            if text:
+                note(text)
+
+        pixels, repairs = nonfinites.repaired(pixels, nonfinite)
+        if repairs:
+            note(repairs)
+        if kind != "openexr":
+            pixels = upright(pixels, source)
+
+        coverage, left_out = _coverage(pixels, chosen, alpha, note)
+        rgb = np.repeat(pixels[..., :1], 3, axis=2) if chosen.grey else pixels[..., :3]
+        straight = alpha == "straight" or (alpha == "auto" and alphas.is_straight(source, kind))
+        space = detected.space
+        if detected.encoding is not None:
+            if coverage is not None and not straight:
+                rgb, straight = alphas.straight(rgb, coverage), True
+            rgb, space = ocio.linearize(rgb, detected.encoding, settings.ocio)
+        if coverage is not None:
+            rgb = np.concatenate(
+                [alphas.premultiplied(rgb, coverage) if straight else rgb, coverage[..., None]], axis=2
+            )
+    except FlowabsError as error:
+        error.at(file=name)
+        raise
+    spec = _spec(source, chosen, ("R", "G", "B", "A") if coverage is not None else ("R", "G", "B"))
+    origin = Origin(os.path.abspath(name), chosen.part, chosen.layer, chosen.channels, left_out)
+    return Image(rgb, spec, "color", colorspace=space, origin=origin)
+
+
+def read_data(
+    path: str | os.PathLike[str],
+    *,
+    layer: str = "",
+    part: str | int = "",
+    settings: Settings | None = None,
+    note: Say = _quiet,
+    warn: Say = _quiet,
+) -> Image:
+    """AOVs as a data image: the numbers as they are in the file, under their own channel names.
+
+    ``layer`` is a layer ("crypto00"), one channel ("Z", "N.X") or a part's name; "" is every channel of the part, by
+    default the first. Whole numbers of an EXR keep their value up to 2**24, which is what float32 holds exactly;
+    ``warn`` says where there are larger ones. NaN and Inf stay. Raises ReadError as :func:`read_image`.
+    """
+    settings = settings or Settings()
+    name = os.fspath(checked(path, settings))
+    try:
+        with open_picture(name, settings) as file:
+            chosen = choose_data(file.specs, layer, part)
+            source = file.specs[chosen.part]
+            pixels = file.read(chosen.part, chosen.channels)
+    except FlowabsError as error:
+        error.at(file=name)
+        raise
+    spec = _spec(source, chosen, chosen.channels)
+    if spec.format == oiio.TypeUInt32 and (pixels >= 2**24).any():
+        warn("ids above 16777216 are rounded: 32-bit whole numbers do not fit float32")
+    nans, infs = nonfinites.count(pixels)
+    if nans or infs:
+        note(f"{nonfinites.said(nans, infs)} in {layer or 'the data'}, left as they are")
+    return Image(pixels, spec, "data", origin=Origin(os.path.abspath(name), chosen.part, chosen.layer, chosen.channels))
+
+
+def _coverage(pixels: Array, chosen: Selection, policy: str, note: Say) -> tuple[Array | None, str]:
+    """The (H, W) alpha to work with, or None and the name of the channel that was left out."""
+    if not chosen.has_alpha:
+        return None, ""
+    coverage = np.ascontiguousarray(pixels[..., -1])
+    if policy == "ignore":
+        return None, chosen.channels[-1]
+    if policy == "auto" and not coverage.any():
+        note("alpha is 0 in every pixel: the plate counts as opaque")
+        return None, chosen.channels[-1]
+    return coverage, ""
+
+
+def _spec(source: oiio.ImageSpec, chosen: Selection, names: tuple[str, ...]) -> oiio.ImageSpec:
+    """The file's header for the channels that were read, under their new names."""
+    formats = {str(source.channelformat(source.channelnames.index(name))) for name in chosen.channels}
+    spec = oiio.ImageSpec(source)
+    spec.set_format(oiio.TypeDesc(formats.pop() if len(formats) == 1 else "float"))
+    spec.nchannels = len(names)
+    spec.channelnames = names
+    spec.channelformats = ()
+    spec.alpha_channel = names.index("A") if "A" in names else -1
+    spec.z_channel = -1
+    spec.tile_width = spec.tile_height = spec.tile_depth = 0
+    spec.erase_attribute("oiio:UnassociatedAlpha")
+    spec.erase_attribute("tiff:UnassociatedAlpha")
+    without_stamps(spec)
+    return spec

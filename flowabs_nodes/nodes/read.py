@@ -1,0 +1,115 @@
+"""Nodes that bring files into a graph: plates, and AOVs as they are."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from flowabs_nodes.image import Image
+from flowabs_nodes.nodes.declare import Context, Node, Param, Port
+
+MISSING = Param.enum(
+    "missing",
+    "error",
+    ("error", "hold", "nearest", "black", "skip"),
+    # What is read instead of a missing frame is in the key by its content.
+    in_key=False,
+    help="A frame that is not there: an error, the last one before it, the nearest, black, or no frame at all.",
+)
+
+
+def _layer(help: str) -> Param:
+    return Param.string("layer", "", help=help)
+
+
+def _part_problem(value: Any) -> str | None:
+    if isinstance(value, str) or (isinstance(value, int) and not isinstance(value, bool) and value >= 0):
+        return None
+    return "the name of a part, or its number from 0"
+
+
+def _part(help: str) -> Param:
+    schema = {"anyOf": [{"type": "string"}, {"type": "integer", "minimum": 0}]}
+    return Param.custom("part", "", schema=schema, parse=_part_problem, help=help)
+
+
+def run_read(
+    context: Context,
+    *,
+    file: str,
+    layer: str,
+    part: str | int,
+    colorspace: str,
+    alpha: str,
+    nonfinite: str,
+    missing: str = "error",
+) -> Image:
+    from flowabs_nodes.io.read import read_image
+
+    return read_image(
+        file,
+        layer=layer,
+        part=part,
+        colorspace=colorspace,
+        alpha=alpha,
+        nonfinite=nonfinite,
+        settings=context.services,
+        note=context.note,
+        warn=context.warn,
+    )
+
+
+READ = Node(
+    type="read",
+    version=1,
+    help="A plate from EXR, PNG, JPEG or TIFF: scene-linear, premultiplied colour.",
+    inputs=(),
+    outputs=(Port("image", "color", "R, G, B and, where the file has it, A; a grey plate is colour with R = G = B."),),
+    params=(
+        Param.file("file", role="input", help="File or sequence: plate.exr, plate.####.exr, plate.%04d.exr."),
+        _layer('Layer to read: "" is the plain R, G, B, A.'),
+        _part('Part of a multi-part EXR, by name or number: "" is the first with R, G, B.'),
+        Param.string(
+            "colorspace",
+            "auto",
+            help="Colour space of the file: any OCIO name. auto: its tag, chromaticities, or lin_rec709.",
+        ),
+        Param.enum(
+            "alpha",
+            "auto",
+            ("auto", "ignore", "premultiplied", "straight"),
+            help="What alpha means. auto: premultiplied (PNG: straight), and opaque where it is 0 in every pixel.",
+        ),
+        Param.enum(
+            "nonfinite", "repair", ("repair", "error"), help="NaN and Inf: repaired from their neighbours, or an error."
+        ),
+        MISSING,
+    ),
+    run=run_read,
+    doc=(
+        "Photographs (PNG, JPEG, TIFF) count as sRGB and become linear Rec.709 unless they say otherwise. Windows and "
+        "metadata go along to `write`. An alpha that is ignored, or 0 in every pixel, is written again as it was."
+    ),
+)
+
+
+def run_read_aov(context: Context, *, file: str, layer: str, part: str | int, missing: str = "error") -> Image:
+    from flowabs_nodes.io.read import read_data
+
+    return read_data(file, layer=layer, part=part, settings=context.services, note=context.note, warn=context.warn)
+
+
+READ_AOV = Node(
+    type="read_aov",
+    version=1,
+    help="An AOV such as depth, normals or ids: numbers as they are in the file, never colour-converted or clamped.",
+    inputs=(),
+    outputs=(Port("data", "data", "The layer's channels, under their own names."),),
+    params=(
+        Param.file("file", role="input", help="File or sequence: render.exr, render.####.exr."),
+        _layer('Layer, or one channel such as Z or N.X: "" is every channel of the part.'),
+        _part('Part of a multi-part EXR, by name or number: "" is the first that has the layer.'),
+        MISSING,
+    ),
+    run=run_read_aov,
+    doc="Whole numbers keep their value up to 16777216, the largest that float32 holds exactly with all below it.",
+)

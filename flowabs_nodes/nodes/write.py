@@ -1,0 +1,104 @@
+"""The node that hands a frame over to be saved."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from flowabs_nodes.image import Image
+from flowabs_nodes.nodes.declare import Context, Node, Param, Port
+
+
+def _metadata_problem(value: Any) -> str | None:
+    from flowabs_nodes.io.attributes import settable
+
+    expected = "an object from attribute names to texts or numbers"
+    if not isinstance(value, dict):
+        return expected
+    for name, content in value.items():
+        if not isinstance(name, str) or not settable(name):
+            return f"{expected}; {name!r} is not a name that may be set"
+        number = isinstance(content, int | float) and not isinstance(content, bool) and math.isfinite(content)
+        if not isinstance(content, str) and not number:
+            return f"{expected}; {name!r} is {content!r}"
+    return None
+
+
+def run_write(
+    context: Context,
+    image: Image,
+    *,
+    file: str,
+    data_type: str,
+    compression: str,
+    keep_layers: str,
+    colorspace: str,
+    metadata: dict[str, str | float],
+    **layers: Image,
+) -> dict[str, Any]:
+    """The picture, ready to save; where it goes (``file``) is the engine's business."""
+    from flowabs_nodes.io.picture import build_picture
+
+    picture = build_picture(
+        image,
+        layers,
+        data_type=data_type,
+        compression=compression,
+        keep_layers=keep_layers,
+        colorspace=colorspace,
+        metadata=metadata,
+        settings=context.services,
+        warn=context.warn,
+    )
+    return {"picture": picture}
+
+
+WRITE = Node(
+    type="write",
+    version=1,
+    help="Writes a frame as EXR, PNG or TIFF: whole, or not at all.",
+    inputs=(Port("image", "any", "The picture. A mono or matte is written as R = G = B."),),
+    outputs=(),
+    extra_inputs=Port("layer", "any", "A further layer of an EXR, named as the input."),
+    params=(
+        Param.file(
+            "file", role="output", help="File or sequence to write: out.####.exr; .exr, .png, .tif say the format."
+        ),
+        Param.enum(
+            "data_type",
+            "auto",
+            ("auto", "half", "float", "uint8", "uint16"),
+            help="auto: the plate's, else half; flow layers float. PNG: uint8, or uint16 as the plate. TIFF: uint16.",
+        ),
+        Param.enum(
+            "compression",
+            "auto",
+            ("auto", "none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab"),
+            help="Of an EXR. auto: the plate's if it is lossless, else zip.",
+        ),
+        Param.string(
+            "keep_layers",
+            "",
+            help='The plate\'s other layers to keep, bit for bit: "" none, "*" all, or names with commas.',
+        ),
+        Param.string(
+            "colorspace",
+            "plate",
+            help="plate: the plate's own (EXR), sRGB for photographs, PNG and TIFF; or any OCIO name.",
+        ),
+        Param.custom(
+            "metadata",
+            {},
+            schema={"type": "object", "additionalProperties": {"type": ["string", "number"]}},
+            parse=_metadata_problem,
+            help="Attributes to set, by name: texts or numbers.",
+        ),
+    ),
+    run=run_write,
+    doc=(
+        "Everything that the plate's header says stays, windows, timecode and chromaticities included. Further inputs "
+        "become layers: `n` is written as n.R, n.G, n.B[, n.A] (color), n.Y (mono, matte), n.x, n.y (flow) or "
+        "n.<last part of its name> (data). PNG and TIFF hold the image alone, on the display window, encoded for the "
+        "screen. Compressions dwaa, dwab, b44 and b44a change the picture each time it is saved."
+    ),
+)
