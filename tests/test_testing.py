@@ -8,7 +8,8 @@ import pytest
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Node, Param, Port
-from flowabs_nodes.testing import ComplianceError, alternatives, check_node, compliance_checks
+from flowabs_nodes.testing import ComplianceError, check_node, compliance_checks
+from flowabs_nodes.testing.parameters import alternatives
 
 
 def run_gain(context, image, *, gain, mode, keep):

@@ -62,6 +62,8 @@ def fit_inputs(declaration: Node, inputs: Mapping[str, Image]) -> dict[str, Imag
             raise FlowabsError(
                 f"{declaration.name} has no input {name!r}", code="unknown-input", hint=nearest(name, ports)
             )
+        if name not in ports and (name in declaration.all_params or name == "context"):
+            raise FlowabsError(f"an extra input cannot be called {name!r}: that is a parameter", code="unknown-input")
     for name, port in ports.items():
         if name not in inputs and not port.optional:
             raise FlowabsError(f"input {name!r} is not connected: {port.help}", code="missing-input")

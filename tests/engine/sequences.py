@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import OpenImageIO as oiio
 
+from flowabs_nodes import graph as graphs
+from flowabs_nodes.graph.model import Graph
 from flowabs_nodes.image import Image
+from flowabs_nodes.nodes import catalogue
+from flowabs_nodes.nodes.declare import Node, Param, Port
 
 
 def plate(path: Path, *, seed: int = 1, height: int = 48, width: int = 64, depth: str = "half") -> Path:
@@ -38,6 +43,14 @@ def document(**nodes: dict[str, Any]) -> dict[str, Any]:
     }
     knobs = {"stops": {"type": "float", "default": 1.0, "min": -5, "max": 5, "help": "Stops."}}
     return {"format": "flowabs.graph/1", "name": "bright", "interface": knobs, "nodes": known | nodes}
+
+
+def graph_around(run: Callable[..., Any], *params: Param) -> Graph:
+    """The graph with another node in place of ``bright``, which does what ``run(context, image, ...)`` says."""
+    port = Port("image", "color", "A picture.")
+    node = Node("trouble", 1, "A test's own.", (port,), (Port("image", "=image", "The result."),), params, run)
+    changed = document(bright={"type": "trouble@1", "inputs": {"image": "plate"}})
+    return graphs.load(changed, catalogue() | {"trouble": node})
 
 
 def pixels(path: Path | str) -> np.ndarray[Any, Any]:

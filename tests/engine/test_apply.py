@@ -148,6 +148,12 @@ def test_layers_are_brought_to_the_image_window():
     assert seen["depth"].pixels.sum() == 0  # image begins at x = 3
 
 
+def test_a_layer_cannot_be_called_like_a_parameter():
+    sink = changed(ADD, ADD.run, outputs=(), extra_inputs=Port("*", "any", "A layer."))
+    with pytest.raises(FlowabsError, match="cannot be called 'amount'"):
+        deliver(sink, Context(), {"image": picture(), "amount": picture()}, {})
+
+
 def test_metadata_and_origin_that_a_node_loses_are_put_back():
     def run(context, image, *, amount):
         spec = image.spec

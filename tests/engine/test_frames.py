@@ -10,16 +10,14 @@ import OpenImageIO as oiio
 import pytest
 
 from flowabs_nodes import engine
-from flowabs_nodes import graph as graphs
 from flowabs_nodes.engine import frame as frame_module
 from flowabs_nodes.engine.frame import run_frame
 from flowabs_nodes.engine.prepare import prepare
 from flowabs_nodes.engine.stop import stop_on_signals
 from flowabs_nodes.errors import CommandError, FlowabsError, WriteError
 from flowabs_nodes.io.settings import Settings
-from flowabs_nodes.nodes import catalogue
-from flowabs_nodes.nodes.declare import Node, Param, Port
-from tests.engine.sequences import document, pixels, plate, plates
+from flowabs_nodes.nodes.declare import Param
+from tests.engine.sequences import document, graph_around, pixels, plate, plates
 
 
 @pytest.fixture
@@ -217,21 +215,15 @@ def test_a_frame_that_is_missing_in_one_of_two_plates_is_not_hidden(tmp_path):
     assert statuses(report) == [(1, "done"), (2, "failed")]
 
 
-def failing(error, on=2):
-    """A node that raises on one frame."""
+def trouble(error, on=2):
+    """A graph that raises on one frame."""
 
     def run(context, image):
         if context.frame == on:
             raise error
         return image
 
-    port = Port("image", "color", "A picture.")
-    return Node("trouble", 1, "Fails.", (port,), (Port("image", "=image", "The same."),), (), run)
-
-
-def trouble(*args, **options):
-    nodes = catalogue() | {"trouble": failing(*args, **options)}
-    return graphs.load(document(bright={"type": "trouble@1", "inputs": {"image": "plate"}}), nodes)
+    return graph_around(run)
 
 
 @pytest.mark.parametrize(
@@ -274,14 +266,9 @@ def test_signals(shot, out, number, code):
         os.kill(os.getpid(), number)
         return image
 
-    port = Port("image", "color", "A picture.")
-    node = Node("trouble", 1, "Fails.", (port,), (Port("image", "=image", "The same."),), (), kill)
-    graph = graphs.load(
-        document(bright={"type": "trouble@1", "inputs": {"image": "plate"}}), catalogue() | {"trouble": node}
-    )
     before = signal.getsignal(number)
     with stop_on_signals():
-        report = run(shot, out, graph)
+        report = run(shot, out, graph_around(kill))
     assert report.exit_code == code
     assert signal.getsignal(number) is before
 
@@ -405,12 +392,7 @@ def test_ten_thousand_frames_hold_no_image(tmp_path, out):
             raise ValueError("a failed frame lets go as well")
         return result
 
-    port = Port("image", "color", "A picture.")
-    node = Node("trouble", 1, "Watches.", (port,), (Port("image", "=image", "Twice."),), (), watch)
-    graph = graphs.load(
-        document(bright={"type": "trouble@1", "inputs": {"image": "plate"}}), catalogue() | {"trouble": node}
-    )
-    report = run(plate(tmp_path / "plate.exr"), out, graph, frames="1-12")
+    report = run(plate(tmp_path / "plate.exr"), out, graph_around(watch), frames="1-12")
     assert [frame.error.code if frame.error else "" for frame in report.frames] == ["internal", ""] * 6
 
 
@@ -426,12 +408,7 @@ def test_a_warning_about_thin_lines_is_said_once(shot, out):
     def passes(context, image, *, sigma_c):
         return image
 
-    param = Param.float("sigma_c", 1.0, min=0.1, unit="px", help="Width.")
-    port = Port("image", "color", "A picture.")
-    node = Node("trouble", 1, "Passes.", (port,), (Port("image", "=image", "The same."),), (param,), passes)
-    graph = graphs.load(
-        document(bright={"type": "trouble@1", "inputs": {"image": "plate"}}), catalogue() | {"trouble": node}
-    )
+    graph = graph_around(passes, Param.float("sigma_c", 1.0, min=0.1, unit="px", help="Width."))
     events = []
     run(shot, out, graph, scale=0.5, on_event=events.append)
     assert sum("sigma_c" in event.get("text", "") for event in events) == 1

@@ -1,5 +1,6 @@
 """graph.run: images in, images out."""
 
+import dataclasses
 import logging
 
 import numpy as np
@@ -14,7 +15,7 @@ from flowabs_nodes.image import Image
 from flowabs_nodes.nodes import catalogue
 from flowabs_nodes.nodes.declare import Node, Param, Port
 from tests.engine.fakes import SPLIT, picture
-from tests.engine.sequences import document, plate
+from tests.engine.sequences import document, graph_around, plate
 
 
 @pytest.fixture
@@ -68,11 +69,8 @@ def test_scale_makes_given_pictures_smaller_and_lengths_follow():
         seen.update(length=length, size=image.pixels.shape[:2])
         return image
 
-    param = Param.float("length", 8.0, min=0.1, unit="px", help="A length.")
-    port = Port("image", "color", "A picture.")
-    node = Node("probe", 1, "Looks.", (port,), (Port("image", "=image", "The same."),), (param,), run)
-    nodes = document(bright={"type": "probe@1", "inputs": {"image": "plate"}}) | {"reference_height": 96}
-    graph = load_graph(graphs.load(nodes, catalogue() | {"probe": node}))
+    probe = graph_around(run, Param.float("length", 8.0, min=0.1, unit="px", help="A length."))
+    graph = load_graph(dataclasses.replace(probe, reference_height=96))
     plain = Image.from_array(np.ones((48, 64, 3)))
     graph.run(given={"plate": plain})
     assert seen == {"length": 4.0, "size": (48, 64)}

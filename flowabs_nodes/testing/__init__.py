@@ -1,0 +1,29 @@
+"""The compliance suite that every node should pass, ours or a plugin's.
+
+::
+
+    import pytest
+    from flowabs_nodes.testing import compliance_checks
+    from my_package import MY_NODE
+
+    @pytest.mark.parametrize("check", compliance_checks(MY_NODE), ids=lambda check: check.name)
+    def test_compliance(check):
+        check()
+
+Or, without pytest, ``check_node(MY_NODE)``. It asks of a node that
+
+- it is documented, every port and parameter too, and its defaults and soft ranges lie inside the hard ones;
+- it runs with its defaults on any picture: colour, noise, alpha, HDR, 1x1, 1xN, Nx1, and for each type its ports take;
+- each parameter changes the key and, on some picture and perhaps with other parameters set, the result;
+- windows, metadata and colour space are kept, and its inputs are left as they were;
+- NaN and Inf give a clean error, or stay in the pixels where they were;
+- an output comes out the same whether asked for alone or with others, a second time, and on any number of threads;
+- a node that mixes gives the input where mask or mix is 0, the result where both are 1.
+
+Nodes that read or write files are held to what does not need a picture's content.
+"""
+
+from flowabs_nodes.testing.running import ComplianceError
+from flowabs_nodes.testing.suite import Check, check_node, compliance_checks
+
+__all__ = ["Check", "ComplianceError", "check_node", "compliance_checks"]

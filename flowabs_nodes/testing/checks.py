@@ -1,0 +1,176 @@
+"""What is asked of a node, but for its parameters."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+from functools import partial
+
+import numpy as np
+
+from flowabs_nodes.engine.apply import apply, deliver
+from flowabs_nodes.engine.failures import InternalError
+from flowabs_nodes.errors import FlowabsError
+from flowabs_nodes.image import PORT_TYPES, Array, Image
+from flowabs_nodes.io.settings import Settings
+from flowabs_nodes.nodes.declare import MASK, Context, Node
+from flowabs_nodes.nodes.param import Param
+from flowabs_nodes.testing.pictures import SCENES, make_input
+from flowabs_nodes.testing.running import ComplianceError, equal, finite, inputs_of, require, run_node
+
+
+def is_documented(node: Node) -> None:
+    extra = (node.extra_inputs,) if node.extra_inputs else ()
+    for kind, name, text in (
+        ("node", node.name, node.help),
+        *(("input", port.name, port.help) for port in (*node.inputs, *extra)),
+        *(("output", port.name, port.help) for port in node.outputs),
+        *(("parameter", param.name, param.help) for param in node.params),
+    ):
+        require(len(text.split()) >= 1 and text.strip() == text, f"{kind} {name} needs a help text")
+    for param in node.params:
+        if not param.required:
+            param.check(param.default)
+        for value in param.soft or ():
+            inside = (param.min is None or value >= param.min) and (param.max is None or value <= param.max)
+            require(inside, f"parameter {param.name}: the soft range {param.soft} must lie in the hard range")
+
+
+def runs_with_defaults(node: Node) -> None:
+    for scene in SCENES:
+        for optional in (True, False):
+            for name, image in run_node(node, inputs_of(node, scene, optional=optional)).items():
+                require(finite(image), f"{scene}: output {name!r} is not finite")
+                if image.type == "matte":
+                    low, high = float(image.pixels.min()), float(image.pixels.max())
+                    require(0 <= low <= high <= 1, f"{scene}: matte {name!r} must be 0 to 1, it is {low:g} to {high:g}")
+
+
+def takes_small_pictures(node: Node) -> None:
+    for height, width in ((1, 1), (1, 7), (7, 1), (2, 2)):
+        for scene in SCENES:
+            for name, image in run_node(node, inputs_of(node, scene, height, width)).items():
+                require(finite(image), f"{width}x{height}: output {name!r} is not finite")
+
+
+def takes_every_type(node: Node) -> None:
+    for port in node.inputs:
+        for kind in (kind for kind in PORT_TYPES if port.takes(kind)):
+            changed = {port.name: make_input(kind, "shapes", 20, 24)}
+            outputs = run_node(node, inputs_of(node, "shapes") | changed)
+            require(all(map(finite, outputs.values())), f"{kind} into {port.name!r}: not finite")
+
+
+def keeps_windows_and_metadata(node: Node) -> None:
+    inputs = inputs_of(node, "alpha")
+    if not inputs:
+        return
+    first = next(iter(inputs.values()))
+    for name, image in run_node(node, inputs).items():
+        for what in ("data_window", "display_window", "origin"):
+            found, expected = getattr(image, what), getattr(first, what)
+            require(found == expected, f"output {name!r}: {what} {found}, its input's is {expected}")
+        for attribute in first.spec.extra_attribs:
+            found = image.spec.getattribute(attribute.name)
+            require(found == attribute.value, f"output {name!r}: metadata {attribute.name!r} is {found!r}")
+        if image.type == first.type == "color":
+            require(image.colorspace == first.colorspace, f"output {name!r}: colour space {image.colorspace}")
+
+
+def leaves_inputs_alone(node: Node) -> None:
+    for scene in SCENES:
+        inputs = inputs_of(node, scene)
+        before = {name: _content(image) for name, image in inputs.items()}
+        run_node(node, inputs)
+        for name, image in inputs.items():
+            same = all(np.array_equal(a, b) for a, b in zip(before[name], _content(image, copy=False), strict=True))
+            require(same, f"{scene}: input {name!r} was changed")
+
+
+def _content(image: Image, copy: bool = True) -> list[Array]:
+    """The pixels, and the code values that all nodes share."""
+    held = [image.pixels]
+    if image.type == "color":
+        for space in ("lab", "acescct"):
+            held += [image.encoded(space), image.encoded_mono(space), image.encoded(space, ground=1.0)]
+    return [np.array(each) for each in held] if copy else held
+
+
+def survives_nan_and_inf(node: Node) -> None:
+    for name in inputs_of(node, "shapes"):
+        for bad in (np.nan, np.inf, -np.inf):
+            inputs = inputs_of(node, "shapes")
+            pixels = inputs[name].pixels.copy()
+            pixels[3, 5, 0] = bad
+            inputs[name] = inputs[name].with_pixels(pixels)
+            try:
+                with np.errstate(all="ignore"):
+                    outputs = run_node(node, inputs)
+            except InternalError as error:
+                raise ComplianceError(f"{bad} in {name!r}: {error}") from error
+            except FlowabsError:
+                continue  # a clean refusal
+            for output, image in outputs.items():
+                spread = np.logical_not(np.isfinite(image.pixels).all(axis=2))
+                spread[3, 5] = False
+                require(not spread.any(), f"{bad} in one pixel of {name!r} spreads in output {output!r}")
+
+
+def gives_the_same_again(node: Node) -> None:
+    for scene in SCENES:
+        together = run_node(node, inputs_of(node, scene))
+        for name, image in together.items():
+            alone = run_node(node, inputs_of(node, scene), wanted=name)
+            require(equal(alone[name], image), f"{scene}: output {name!r} differs when it is asked for alone")
+
+
+def same_on_any_number_of_threads(node: Node) -> None:
+    inputs = partial(inputs_of, node, "noise", 37, 41)
+    expected = run_node(node, inputs())
+    if "numba" not in sys.modules:
+        return
+    import numba
+
+    most = numba.get_num_threads()
+    try:
+        for threads in {1, 2, numba.config.NUMBA_NUM_THREADS}:
+            if threads <= numba.config.NUMBA_NUM_THREADS:
+                numba.set_num_threads(threads)
+                for name, image in run_node(node, inputs()).items():
+                    require(equal(image, expected[name]), f"output {name!r} differs on {threads} threads")
+    finally:
+        numba.set_num_threads(most)
+
+
+def mixes(node: Node) -> None:
+    inputs = inputs_of(node, "alpha")
+    image, first = inputs["image"], node.outputs[0].name
+    full = run_node(node, inputs)[first]
+    require(run_node(node, inputs, {"mix": 0})[first] is image, "mix 0 must give the input itself")
+    half = np.zeros(image.pixels.shape[:2], np.float32)
+    half[:, ::2] = 1
+    masked = run_node(node, inputs | {MASK.name: image.with_pixels(half, "matte")})[first].pixels
+    require(np.array_equal(masked[:, ::2], full.pixels[:, ::2]), "where the mask is 1 the result must stand")
+    require(np.array_equal(masked[:, 1::2], image.pixels[:, 1::2]), "where the mask is 0 the input must stand")
+    between = run_node(node, inputs, {"mix": 0.5})[first].pixels
+    require(np.allclose(between, (image.pixels + full.pixels) / 2, atol=1e-5), "mix 0.5 must be half-way")
+
+
+# ---------------------------------------------------------------------- nodes that read or write files
+
+
+def reads_or_takes_a_picture(node: Node, param: Param) -> None:
+    """One that reads gives finite images of a small EXR; one that writes takes every type of image, and layers."""
+    with tempfile.TemporaryDirectory() as folder:
+        context, file = Context(node=node.type, services=Settings()), os.path.join(folder, "picture.exr")
+        if param.role == "input":
+            make_input("color", "alpha", 20, 24).to_imagebuf().write(file)
+            for name, image in apply(node, context, {}, {param.name: file}).items():
+                require(finite(image), f"output {name!r} is not finite")
+            return
+        for port in node.inputs:
+            for kind in (kind for kind in PORT_TYPES if port.takes(kind)):
+                layers = {f"layer_{each}": make_input(each, "shapes", 20, 24) for each in PORT_TYPES}
+                inputs = {port.name: make_input(kind, "alpha", 20, 24), **(layers if node.extra_inputs else {})}
+                deliver(node, context, inputs, {param.name: file})

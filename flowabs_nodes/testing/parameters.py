@@ -1,0 +1,97 @@
+"""Each parameter of a node must count: for the key, and on some picture for the result."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from flowabs_nodes.engine.failures import InternalError
+from flowabs_nodes.engine.keys import node_key
+from flowabs_nodes.errors import FlowabsError
+from flowabs_nodes.image import Image
+from flowabs_nodes.nodes.declare import Node
+from flowabs_nodes.nodes.param import Param
+from flowabs_nodes.testing.pictures import SCENES
+from flowabs_nodes.testing.running import ComplianceError, equal, inputs_of, require, run_node
+
+#: What a parameter of its own shape might take.
+_SHAPES = (1.0, 16.0, 0.5, 100.0, 1, 2, "max", "p50", "other", True, False, [], {}, ["name"], {"name": "value"})
+
+
+def changes_the_key(node: Node, param: Param) -> None:
+    """Every value has a key of its own, unless the parameter is declared to be out of the key."""
+    defaults = node.defaults()
+    before = node_key(node, defaults, {})
+    for value in alternatives(param):
+        after = node_key(node, defaults | {param.name: value}, {})
+        require((after != before) == param.in_key, f"{param.name} = {value!r}: key {'un' * param.in_key}changed")
+
+
+def changes_the_picture(node: Node, param: Param) -> None:
+    """On some picture, beside some values of the other parameters, some value changes some output."""
+    tried = 0
+    for settings in _surroundings(node, param):
+        for scene in SCENES:
+            inputs = inputs_of(node, scene)
+            before = _try(node, inputs, settings)
+            for value in alternatives(param):
+                after = _try(node, inputs, settings | {param.name: value})
+                tried += 1
+                if before and after and not all(equal(before[name], after[name]) for name in before):
+                    return
+    raise ComplianceError(
+        f"{param.name} changes nothing, on {len(SCENES)} pictures in {tried} combinations of parameters"
+    )
+
+
+def _try(node: Node, inputs: Mapping[str, Image], params: Mapping[str, Any]) -> dict[str, Image] | None:
+    try:
+        return run_node(node, inputs, params)
+    except InternalError:
+        raise
+    except FlowabsError:
+        return None  # a combination that the node refuses
+
+
+def _surroundings(node: Node, param: Param) -> Iterator[dict[str, Any]]:
+    """Values for the other parameters: the defaults, then one of them changed, then two."""
+    others = [other for other in node.params if other.name != param.name and not other.required]
+    single = [{other.name: value} for other in others for value in list(alternatives(other))[:3]]
+    yield {}
+    yield from single
+    for i, one in enumerate(single):
+        for two in single[:i]:
+            if one.keys() != two.keys():
+                yield one | two
+
+
+def alternatives(param: Param) -> Iterator[Any]:
+    """Values to try beside the default: mild ones first, and none that is wrong or the default itself."""
+    default = param.default
+    guesses: list[Any] = []
+    match param.kind:
+        case "float" | "int":
+            guesses += [*(param.soft or ()), param.min, param.max]
+            if default is not None:
+                guesses += [default * 2, default / 2, default + 1]
+            guesses = [round(guess) if param.kind == "int" else float(guess) for guess in guesses if guess is not None]
+            guesses += [1, 0]
+        case "bool":
+            guesses += [not default]
+        case "enum":
+            guesses += param.choices
+        case "color":
+            guesses += [(1.0, 0.5, 0.25), (0.0, 0.0, 1.0)]
+        case "string" | "file":
+            guesses += ["other", ""]
+        case "custom":
+            schema = param.schema
+            guesses += [*schema.get("examples", ()), *schema.get("enum", ())]
+            guesses += _SHAPES
+    if param.nullable:
+        guesses.append(None)
+    tried: list[Any] = [] if param.required else [default]
+    for guess in guesses:
+        if guess not in tried and param.problem(guess) is None:
+            tried.append(guess)
+            yield guess

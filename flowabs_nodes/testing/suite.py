@@ -1,0 +1,61 @@
+"""The list of everything to ask of a node."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+from flowabs_nodes.errors import FlowabsError
+from flowabs_nodes.nodes.declare import Node
+from flowabs_nodes.testing import checks, parameters
+from flowabs_nodes.testing.running import ComplianceError, require
+
+
+@dataclass(frozen=True)
+class Check:
+    """One thing to ask of a node; calling it raises :class:`ComplianceError` where the answer is no."""
+
+    name: str
+    run: Callable[[], None]
+
+    def __call__(self) -> None:
+        self.run()
+
+
+def compliance_checks(node: Node) -> list[Check]:
+    """Everything to ask of ``node``, by name."""
+    found: dict[str, Callable[[], None]] = {"is_documented": partial(checks.is_documented, node)}
+    for param in node.all_params.values():
+        if param.kind != "file":  # a file counts by its content
+            found[f"{param.name}_changes_the_key"] = partial(parameters.changes_the_key, node, param)
+    if node.file_param is not None:
+        found["reads_or_takes_a_picture"] = partial(checks.reads_or_takes_a_picture, node, node.file_param)
+    else:
+        found |= {
+            "runs_with_defaults": partial(checks.runs_with_defaults, node),
+            "takes_small_pictures": partial(checks.takes_small_pictures, node),
+            "takes_every_type_it_declares": partial(checks.takes_every_type, node),
+            "keeps_windows_and_metadata": partial(checks.keeps_windows_and_metadata, node),
+            "leaves_inputs_alone": partial(checks.leaves_inputs_alone, node),
+            "survives_nan_and_inf": partial(checks.survives_nan_and_inf, node),
+            "gives_the_same_again": partial(checks.gives_the_same_again, node),
+            "gives_the_same_bits_on_any_number_of_threads": partial(checks.same_on_any_number_of_threads, node),
+        }
+        if node.mixes:
+            found["mixes"] = partial(checks.mixes, node)
+        for param in node.all_params.values():
+            if param.in_key:
+                found[f"{param.name}_changes_the_picture"] = partial(parameters.changes_the_picture, node, param)
+    return [Check(name, run) for name, run in found.items()]
+
+
+def check_node(node: Node) -> None:
+    """Ask everything of ``node``; one :class:`ComplianceError` names all that is not as it should be."""
+    failures = []
+    for check in compliance_checks(node):
+        try:
+            check()
+        except (ComplianceError, FlowabsError) as error:
+            failures.append(f"{check.name}: {error}")
+    require(not failures, f"{node.name}:\n" + "\n".join(failures))
