@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
 import OpenImageIO as oiio
 
 from flowabs_nodes.color.chromaticities import space_from_chromaticities
@@ -82,13 +83,13 @@ def detect(
         except ColorError as error:
             if error.code == "bad-ocio-config":
                 raise
-            passed_over.append(f"{tag} {name!r} means nothing here")
+            passed_over.append(f"{tag} {name[:60]!r} means nothing here")
     values = spec.getattribute("chromaticities")
     if values is not None:
         try:
-            primaries = space_from_chromaticities(values[0:2], values[2:4], values[4:6], values[6:8])
+            primaries = space_from_chromaticities(*np.reshape(values, (4, 2)))
             return Detected(primaries, "; ".join([f"chromaticities: {primaries}", *passed_over]))
-        except (ColorError, TypeError, ValueError):
+        except (ColorError, ValueError):
             passed_over.append("its chromaticities are no colour space")
     if display_referred:
         return Detected(space("lin_rec709"), "; ".join(["no tag in the file: sRGB", *passed_over]), "srgb_rec709_scene")

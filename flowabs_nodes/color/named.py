@@ -42,6 +42,8 @@ def find(name: str, ocio: str | None = None) -> Named:
         config.config(ocio)  # one that cannot be read is an error, whether the name needs it or not
     if name.startswith("chromaticities("):
         return Named(name, "linear", chromaticities.parse(name))
+    if len(name) > 200:
+        raise ColorError(f"{name[:40]!r}... is not the name of a colour space")
     low = name.lower()
     if low in DATA_NAMES:
         return Named(name, "data", KNOWN["lin_rec709"])
@@ -56,7 +58,7 @@ def find(name: str, ocio: str | None = None) -> Named:
     if theirs is None:
         if ours is not None:
             return Named(name, "linear", KNOWN[ours])
-        hint = config.hint(name, [*KNOWN, *config.names(ocio)]) or nearest(name, KNOWN)
+        hint = config.hint(name, [*KNOWN, "sRGB", *config.names(ocio)]) or nearest(name, KNOWN)
         raise ColorError(f"the OCIO config {ocio or config.PINNED} has no colour space {name!r}", hint=hint)
     return _measured(config.canonical(theirs, ocio), ocio)
 

@@ -77,7 +77,9 @@ def test_what_spans_no_colours_is_an_error(values):
     assert caught.value.code == "bad-chromaticities"
 
 
-@pytest.mark.parametrize("name", ["chromaticities()", "chromaticities(1,2)", "chromaticities(a,b,c,d,e,f,g,h)", "chromaticities(1"])
+@pytest.mark.parametrize(
+    "name", ["chromaticities()", "chromaticities(1,2)", "chromaticities(a,b,c,d,e,f,g,h)", "chromaticities(1"]
+)
 def test_names_that_are_none(name):
     with pytest.raises(ColorError, match="expected chromaticities"):
         color.space(name)

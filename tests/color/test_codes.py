@@ -86,7 +86,9 @@ def test_neutrals(name, space):
     else:
         assert (codes == codes[..., :1]).all()
     assert codes[0, 1, 0] == pytest.approx(255, abs=5e-5)
-    assert color.encode_mono(np.repeat(grey[..., None], 3, axis=2), space, name) == pytest.approx(codes[..., 0], rel=1e-6)
+    assert color.encode_mono(np.repeat(grey[..., None], 3, axis=2), space, name) == pytest.approx(
+        codes[..., 0], rel=1e-6
+    )
     back = color.decode(codes, space, name)
     assert (back == back[..., :1]).all()
 
@@ -145,7 +147,9 @@ def test_extremes_stay_finite(space):
 @BOTH
 def test_brighter_is_never_darker(space):
     breaks = [216 / 24389, 0.0078125]  # where toe and curve meet
-    fine = np.concatenate([np.nextafter(np.float32(b), np.float32(1)) * np.linspace(0.999, 1.001, 4001) for b in breaks])
+    fine = np.concatenate(
+        [np.nextafter(np.float32(b), np.float32(1)) * np.linspace(0.999, 1.001, 4001) for b in breaks]
+    )
     wide = np.geomspace(1e-6, 1e5, 20001)
     for ramp in (np.sort(fine), wide, -wide[::-1]):
         grey = np.repeat(ramp.astype(np.float32)[None, :, None], 3, axis=2)

@@ -81,4 +81,6 @@ def test_between_spaces():
 @pytest.mark.parametrize(("source", "target"), [("lin_rec709", "lin_ap1_scene"), ("lin_ap0_scene", "lin_p3d65_scene")])
 def test_between_spaces_is_ocios(source, target):
     rgb = np.eye(3, dtype=np.float32)[None]
-    np.testing.assert_allclose(convert(rgb, KNOWN[source], KNOWN[target]), config.convert(rgb, source, target), atol=3e-5)
+    np.testing.assert_allclose(
+        convert(rgb, KNOWN[source], KNOWN[target]), config.convert(rgb, source, target), atol=3e-5
+    )
