@@ -17,12 +17,13 @@ from flowabs_nodes.graph.problems import GraphError, Place, Problem, Problems, s
 
 MOST_BYTES = 8 * 2**20
 MOST_LEVELS = 64
-MOST_VALUES = (
-    500_000  # 50 for each of 10,000 nodes; in 8 MB there is room for millions, at 60 bytes of memory or more each
-)
+MOST_DIGITS = 300  # of a whole number: about what a float can hold; Python refuses to convert more than 4300
+#: 40 for each of 10,000 nodes. 8 MB have room for millions, and the smallest takes 60 bytes of memory.
+MOST_VALUES = 400_000
 
 #: Anything up to the next bracket or comma outside strings. Possessive, and matching at the end too: linear in time.
 _UP_TO_NEXT = re.compile(rb'(?:[^"\[\]{},]++|"(?:[^"\\]++|\\.)*+"?)*+([\[\]{},]?)', re.DOTALL)
+_LONG_NUMBER = re.compile(rb"(?<![0-9])[0-9]{%d}" % MOST_DIGITS)
 _SUSPICIOUS_ESCAPE = re.compile(rb"\\u(?:[dD][89a-fA-F]|0000)")
 _UNFIT = re.compile("[\0\ud800-\udfff]")
 
@@ -62,11 +63,13 @@ def parse(data: bytes, problems: Problems) -> Any:
         return value if math.isfinite(value) else constant(digits)
 
     def whole(digits: str) -> int | _Wrong:
-        # More than a float can hold; Python itself refuses to convert more than 4300 digits.
-        return int(digits) if len(digits) <= 300 else constant(digits)
+        return int(digits) if len(digits) <= MOST_DIGITS else constant(digits)
 
+    integer = whole if _LONG_NUMBER.search(data) else None  # seldom needed, and slow
     try:
-        document = json.loads(text, object_pairs_hook=pairs, parse_constant=constant, parse_float=real, parse_int=whole)
+        document = json.loads(
+            text, object_pairs_hook=pairs, parse_constant=constant, parse_float=real, parse_int=integer
+        )
     except json.JSONDecodeError as error:
         found = f"{error.msg} (line {error.lineno}, column {error.colno})"
         raise _refusal("bad-json", found, "JSON (RFC 8259)", "look at commas, quotes and brackets there") from None

@@ -31,8 +31,7 @@ def _known_inputs(declaration: Node, raw: dict[str, Any], place: Place, problems
     open_ports = [port for port in declaration.all_inputs if port not in raw]
     for port in raw:
         if declaration.input(port) is None:
-            meant = problems.closest(port, open_ports)
-            hint = f"did you mean {meant!r}?" if meant else problems.near(port, declaration.all_inputs)
+            meant, hint = problems.meant(port, open_ports, declaration.all_inputs)
             problems.add("unknown-input", (*place, port), show(port), f"an input of {declaration.name}", hint)
             if meant:
                 open_ports.remove(meant)

@@ -107,7 +107,7 @@ class Problems:
     """
 
     most = 10_000
-    comparisons = 20_000
+    comparisons = 12_000
 
     def __init__(self) -> None:
         self.found: list[Problem] = []
@@ -138,6 +138,11 @@ class Problems:
         self.comparisons -= len(known)
         close = difflib.get_close_matches(str(name)[:200], known, 1) if self.comparisons >= 0 else []
         return close[0] if close else None
+
+    def meant(self, name: object, unset: Collection[str], known: Collection[str]) -> tuple[str | None, str]:
+        """Which of the names that are not set yet this one was meant to be, and a hint (from all known names)."""
+        close = self.closest(name, unset)
+        return close, f"did you mean {close!r}?" if close else self.near(name, known)
 
     def near(self, name: object, known: Collection[str]) -> str:
         """A hint: the closest known name; all of them where none is close and they are few."""

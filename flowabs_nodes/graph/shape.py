@@ -61,9 +61,8 @@ def fields(
     for key, item in value.items():
         kind = shape.get(key)
         if kind is None:
-            meant = problems.closest(key, [name for name in shape if name not in value])
-            hint = f"did you mean {meant!r}?" if meant else ""
-            problems.add("unknown-key", (*place, key), show(key), f"one of {', '.join(shape)}", hint)
+            meant, hint = problems.meant(key, [name for name in shape if name not in value], shape)
+            problems.add("unknown-key", (*place, key), show(key), "a key of the format", hint)
             missing = [name for name in missing if name != meant]
         elif kind.fits(item):
             result[key] = item

@@ -111,9 +111,7 @@ def _read_params(
             if value is not None:
                 values[name] = value
         else:
-            unset = [other for other in declared if other not in raw]
-            meant = problems.closest(name, unset)
-            hint = f"did you mean {meant!r}?" if meant else f"`flowabs nodes {declaration.type}` lists them"
+            meant, hint = problems.meant(name, [other for other in declared if other not in raw], declared)
             problems.add("unknown-param", (*place, name), show(name), f"a parameter of {declaration.name}", hint)
             missing = [other for other in missing if other != meant]
     for name in missing:
