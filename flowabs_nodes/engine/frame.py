@@ -42,6 +42,7 @@ def run_frame(job: Job, frame: int) -> FrameReport:
 def _make(
     job: Job, frame: int, files: dict[str, tuple[str, ...]], notes: list[Note], timings: dict[str, float]
 ) -> Status:
+    """Write what is not there yet; ``files`` are each write node's, and empty afterwards if the frame is left out."""
     graph = job.graph
     steps = make_plan(graph, frame, sinks=files)
     params = {Unit(node, frame): values for node, values in graph.values(frame).items()}
@@ -49,6 +50,7 @@ def _make(
     for unit, source in sources.items():
         if source.skip:
             notes.append(Note("its file is missing: the frame is left out", unit.node))
+            files.clear()
             return "skipped"
 
     evaluation = Evaluation(graph, params, sources, job.settings, job.scale, notes=notes, timings=timings)

@@ -81,8 +81,8 @@ def run(
 
     Raises
     ------
-    GraphError, CommandError
-        The graph or the command is wrong; nothing has been written.
+    GraphError, CommandError, ColorError
+        The graph or the command is wrong, or its OCIO config; nothing has been written.
     """
     start = time.perf_counter()
     loaded = load_graph(graph)

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TypeVar
 
+from flowabs_nodes.color.config import config
 from flowabs_nodes.engine.job import EXISTING, Job
 from flowabs_nodes.engine.plan import file_role, make_plan, sinks
 from flowabs_nodes.engine.scale import check_scale
@@ -41,8 +42,12 @@ def prepare(
     ------
     CommandError
         Where the command cannot be carried out at all; nothing has been written then.
+    ColorError
+        The OCIO config cannot be read.
     """
     settings = settings or Settings()
+    if settings.ocio is not None:
+        config(settings.ocio)
     how = _word("existing", existing, EXISTING)
     policy = None if missing is None else _word("missing", missing, MISSING)
     graph, further = _with_files(graph, input, _listed(output))

@@ -98,10 +98,9 @@ def _rounded(value: float) -> int:
 
 
 def scale_image(image: Image, scale: float) -> Image:
-    """The same picture with both windows smaller; metadata stays.
+    """The same picture with both windows smaller; metadata and origin stay.
 
     Color, mono and matte are filtered. Flow and data are taken from the nearest pixel: directions and ids have no mean.
-    The result has no origin: layers of the file it came from do not fit it.
     """
     if scale == 1:
         return image
@@ -110,7 +109,7 @@ def scale_image(image: Image, scale: float) -> Image:
     spec.x, spec.y, spec.width, spec.height = data
     spec.full_x, spec.full_y, spec.full_width, spec.full_height = display
     pixels = _nearest(image, data, display) if image.type in ("flow", "data") else _filtered(image, spec, scale)
-    return Image(pixels, spec, image.type, colorspace=image.colorspace)
+    return Image(pixels, spec, image.type, colorspace=image.colorspace, origin=image.origin)
 
 
 def _filtered(image: Image, target: Any, scale: float) -> Array:

@@ -4,6 +4,7 @@ import json
 import os
 import pickle
 import signal
+from dataclasses import replace
 
 import numpy as np
 import OpenImageIO as oiio
@@ -177,6 +178,7 @@ def test_missing_frames(tmp_path, out, policy, status, source):
         assert report.exit_code == (1 if status == "failed" else 0)
         made = tmp_path / "out/toon.0002.exr"
         assert made.exists() == (status == "done")
+        assert report.frames[0].files == (() if status == "skipped" else (str(made),))
         if source == "black":
             assert pixels(made).shape == (48, 64, 3)
             assert not pixels(made).any()
@@ -298,6 +300,7 @@ def test_signals(shot, out, number, code):
         ({"missing": "hole"}, "bad-value"),
         ({"scale": 0}, "bad-value"),
         ({"settings": Settings(root="{tmp}/in")}, "outside-root"),
+        ({"settings": Settings(ocio="no/such.ocio")}, "bad-ocio-config"),
         ({"graph": "abstractoin"}, "unknown-graph"),
         ({"set": {"stop": 1}}, "bad-graph"),
     ],
@@ -307,7 +310,7 @@ def test_wrong_commands(shot, out, tmp_path, options, code):
 
     def placed(value):
         if isinstance(value, Settings):
-            return Settings(root=tmp_path / "in")
+            return replace(value, root=value.root and tmp_path / "in")
         if isinstance(value, list):
             return [placed(each) for each in value]
         return value.replace("{tmp}", str(tmp_path)) if isinstance(value, str) else value
@@ -356,6 +359,22 @@ def test_scale_writes_a_smaller_picture(shot, out, tmp_path):
     assert pixels(tmp_path / "out/toon.0001.exr").mean() == pytest.approx(
         2 * pixels(tmp_path / "in/plate.0001.exr").mean(), rel=0.01
     )
+
+
+def test_scale_keeps_data_type_and_metadata(tmp_path):
+    source = oiio.ImageBuf(str(plate(tmp_path / "plate.exr", depth="float")))
+    source.specmod().attribute("owner", "somebody")
+    source.write(str(tmp_path / "plate.exr"))
+    run(tmp_path / "plate.exr", tmp_path / "out.exr", scale=0.5)
+    spec = oiio.ImageBuf(str(tmp_path / "out.exr")).spec()
+    assert (spec.width, spec.full_height, str(spec.format), spec.get("owner")) == (32, 24, "float", "somebody")
+
+
+def test_a_file_holds_the_graph_that_made_it(shot, out, tmp_path):
+    run(shot, out, set={"stops": 0.5}, frames=1)
+    stored = oiio.ImageBuf(out.replace("####", "0001")).spec().get("flowabs:graph")
+    again = engine.run(json.loads(stored), frames=1)
+    assert statuses(again) == [(1, "skipped")]
 
 
 def test_profile(shot, out):
