@@ -37,6 +37,9 @@ def _known_inputs(declaration: Node, raw: dict[str, Any], place: Place, problems
                 open_ports.remove(meant)
         elif not NAME.fullmatch(port):
             problems.add("bad-value", (*place, port), f"the name {show(port)}", f"a layer's name: {NAME_RULE}")
+        elif port not in declaration.all_inputs and port in taken_names(declaration):
+            expected = f"a layer's name other than those of {declaration.type}'s parameters"
+            problems.add("bad-value", (*place, port), f"the name {show(port)}", expected)
         else:
             known.append(port)
     for port in open_ports:
@@ -44,6 +47,11 @@ def _known_inputs(declaration: Node, raw: dict[str, Any], place: Place, problems
             expected = f"a link to a node that gives {types_in_words(declaration.all_inputs[port])}"
             problems.add("missing-input", (*place, port), "nothing", expected)
     return known
+
+
+def taken_names(declaration: Node) -> list[str]:
+    """Names that an extra input cannot have: the node's function gets everything by name."""
+    return ["context", *declaration.all_params]
 
 
 def _read_link(raw: Any, declarations: Declarations, place: Place, problems: Problems) -> Link | None:

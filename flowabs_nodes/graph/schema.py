@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from flowabs_nodes.graph import shape
+from flowabs_nodes.graph.links import taken_names
 from flowabs_nodes.graph.model import FORMAT, KNOB_TYPES, NAME
 from flowabs_nodes.graph.parameters import FRAME
 from flowabs_nodes.graph.validate import MOST_NODES
@@ -115,7 +116,7 @@ def _node(node: Node) -> Schema:
     inputs: Schema = {"properties": {port.name: _input(port) for port in node.all_inputs.values()}}
     inputs["additionalProperties"] = _input(node.extra_inputs) if node.extra_inputs else False
     if node.extra_inputs:
-        inputs["propertyNames"] = {"$ref": "#/$defs/name"}
+        inputs["propertyNames"] = {"$ref": "#/$defs/name", "not": {"enum": taken_names(node)}}
     needed = [port.name for port in node.inputs if not port.optional]
     result: Schema = {"description": node.help, "properties": {"inputs": inputs}}
     if needed:

@@ -86,10 +86,11 @@ ETF = Node(
             "gradient_reference",
             "max",
             schema={
+                "description": '"max", "p" and a percentile, or a number from 0 (code values/px)',
                 "anyOf": [
                     {"type": "number", "minimum": 0},
                     {"type": "string", "pattern": r"^(max|p(100(\.0*)?|[0-9]{1,2}(\.[0-9]*)?))$"},
-                ]
+                ],
             },
             parse=_reference_problem,
             scales=-1,

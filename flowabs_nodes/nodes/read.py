@@ -28,7 +28,10 @@ def _part_problem(value: Any) -> str | None:
 
 
 def _part(help: str) -> Param:
-    schema = {"anyOf": [{"type": "string"}, {"type": "integer", "minimum": 0}]}
+    schema = {
+        "description": "the name of a part, or its number from 0",
+        "anyOf": [{"type": "string"}, {"type": "integer", "minimum": 0}],
+    }
     return Param.custom("part", "", schema=schema, parse=_part_problem, help=help)
 
 

@@ -89,7 +89,11 @@ WRITE = Node(
         Param.custom(
             "metadata",
             {},
-            schema={"type": "object", "additionalProperties": {"type": ["string", "number"]}},
+            schema={
+                "description": "an object from attribute names to texts or numbers",
+                "type": "object",
+                "additionalProperties": {"type": ["string", "number"]},
+            },
             parse=_metadata_problem,
             help="Attributes to set, by name: texts or numbers.",
         ),

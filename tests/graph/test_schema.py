@@ -54,6 +54,7 @@ BAD = [
     (("nodes", "field", "inputs", "image"), ["plate", "image"]),
     (("nodes", "field", "inputs", "image"), "plate.image.x"),
     (("nodes", "out", "inputs", "a b"), "plate"),
+    (("nodes", "out", "inputs", "file"), "plate"),
     ((*FIELD, "raduis"), 1),
     ((*FIELD, "radius"), -1),
     ((*FIELD, "radius"), 101),

@@ -207,9 +207,9 @@ def test_the_other_output_is_the_hint():
 
 
 def test_layers_take_anything_under_a_good_name():
-    inputs = {"image": "plate", "flow": "field", "my layer": "plate"}
+    inputs = {"image": "plate", "flow": "field", "my layer": "plate", "file": "plate"}
     source = nodes(field=FIELD, out={"type": "write@1", "inputs": inputs})
-    assert found(source) == [("bad-value", "/nodes/out/inputs/my layer")]
+    assert found(source) == [("bad-value", "/nodes/out/inputs/my layer"), ("bad-value", "/nodes/out/inputs/file")]
 
 
 def test_every_cycle_is_one_problem():
