@@ -363,11 +363,11 @@ def test_scale_writes_a_smaller_picture(shot, out, tmp_path):
 
 def test_scale_keeps_data_type_and_metadata(tmp_path):
     source = oiio.ImageBuf(str(plate(tmp_path / "plate.exr", depth="float")))
-    source.specmod().attribute("owner", "somebody")
+    source.specmod().attribute("shot", "sq01")
     source.write(str(tmp_path / "plate.exr"))
     run(tmp_path / "plate.exr", tmp_path / "out.exr", scale=0.5)
     spec = oiio.ImageBuf(str(tmp_path / "out.exr")).spec()
-    assert (spec.width, spec.full_height, str(spec.format), spec.get("owner")) == (32, 24, "float", "somebody")
+    assert (spec.width, spec.full_height, str(spec.format), spec.get("shot")) == (32, 24, "float", "sq01")
 
 
 def test_a_file_holds_the_graph_that_made_it(shot, out, tmp_path):
