@@ -5,9 +5,11 @@ import sys
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import flowabs_nodes as fa
+from tests.engine.sequences import pixels, plate
 
 
 def test_importing_is_quick_and_loads_no_kernel():
@@ -24,6 +26,32 @@ def test_every_public_name_is_there():
     assert set(dir(fa)) >= set(fa.__all__)
     with pytest.raises(AttributeError, match="no attribute 'grahp'"):
         _ = fa.grahp
+
+
+def test_a_shipped_graph_from_python():
+    rgb = np.random.default_rng(1).random((40, 60, 3))
+    graph = fa.load_graph("abstraction")
+    out = graph.run(
+        frame=1,
+        given={"plate": fa.Image.from_array(rgb, colorspace="lin_rec709")},
+        set={"line_width": 1.5},
+        outputs=["comp", "lines.response"],
+    )
+    assert list(out) == ["comp", "lines.response"]
+    assert out["comp"].pixels.shape == (40, 60, 3)
+    assert out["lines.response"].type == "mono"
+
+
+def test_a_shipped_graph_over_frames(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for frame in (1001, 1002):
+        plate(tmp_path / f"shot.{frame}.exr", seed=frame)
+    report = fa.run("abstraction", input="shot.####.exr", output="out.####.exr", frames="1001-1100")
+    assert [frame.status for frame in report.frames[:3]] == ["done", "done", "failed"]
+    assert report.exit_code == 1
+    assert pixels("out.1002.exr").shape == (48, 64, 3)
+    report = fa.run("abstraction", input="shot.####.exr", output="out.####.exr")
+    assert (report.counts["skipped"], report.exit_code) == (2, 0)
 
 
 def test_the_version_is_that_of_the_project():

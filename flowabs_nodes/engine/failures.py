@@ -33,4 +33,5 @@ def contained(node: str | None = None, frame: int | None = None) -> Iterator[Non
         hint = "run fewer jobs at once, or at a smaller --scale"
         raise InternalError(message, code="out-of-memory", hint=hint, node=node, frame=frame) from error
     except Exception as error:  # turned into ours and raised on, cause kept
-        raise InternalError(f"{type(error).__name__}: {error}", node=node, frame=frame) from error
+        first_line = (str(error).strip().splitlines() or [""])[0][:300]
+        raise InternalError(f"{type(error).__name__}: {first_line}", node=node, frame=frame) from error

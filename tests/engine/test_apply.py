@@ -218,6 +218,14 @@ def test_an_unforeseen_exception_says_node_and_frame_and_keeps_its_cause():
     assert isinstance(failure.value.__cause__, ZeroDivisionError)
 
 
+def test_an_exception_s_many_lines_become_one():
+    def run(context, image, *, amount):
+        raise TypeError("first\nsecond\nthird")
+
+    with pytest.raises(InternalError, match="TypeError: first$"):
+        apply(changed(ADD, run), Context(), {"image": picture()}, {})
+
+
 def test_running_out_of_memory_is_said_as_such():
     def run(context, image, *, amount):
         raise MemoryError
