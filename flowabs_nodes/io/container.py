@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 import os
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, Protocol
@@ -125,7 +126,7 @@ class _OiioFile:
         # Not ImageBuf.get_pixels: on a truncated file that gives zeros and no error.
         pixels = self._source.read_image(part, 0, begin, end, kind)
         why = reason(self._source)
-        if pixels is None:
+        if pixels is None or why:  # a JPEG that is cut short comes with grey pixels and a complaint
             raise ReadError(
                 f"damaged or cut short: {why or 'its pixels cannot be decoded'}", code="damaged", file=self.path
             )
@@ -160,5 +161,10 @@ def reason(source: Any) -> str:
         text = str(source.geterror())
     except UnicodeDecodeError:  # a damaged header quoted in the message
         return "damaged header"
-    first = text.strip().split("\n")[0]
-    return "".join(sign if sign.isprintable() else "?" for sign in first)[:300]
+    first = printable(text.strip().split("\n")[0])[:300]
+    return re.sub(r"^EXR Error \(.*?\): (EXR_ERR_\w+ )?", "damaged: ", first)
+
+
+def printable(text: str) -> str:
+    """``text`` for a message: what a hostile header may say cannot move a terminal's cursor."""
+    return "".join(sign if sign.isprintable() else "?" for sign in text)

@@ -56,7 +56,7 @@ def to_read(path: str | os.PathLike[str]) -> str:
         raise ReadError("the file is empty (zero bytes)", file=name)
     found = next((kind for magic, kind in _MAGIC.items() if start.startswith(magic)), None)
     if found != expected:
-        what = f"it is a {NAMES[found]} file" if found else "it does not begin as one does"
+        what = f"it is {_a(found)} file" if found else "it does not begin as one does"
         raise ReadError(f"not {_a(expected)} file: {what}", code="bad-format", file=name)
     return expected
 

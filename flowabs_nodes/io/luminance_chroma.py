@@ -17,7 +17,7 @@ from flowabs_nodes import color
 from flowabs_nodes.color import detect
 from flowabs_nodes.errors import ReadError
 from flowabs_nodes.io import attributes
-from flowabs_nodes.io.container import check_size
+from flowabs_nodes.io.container import check_size, printable
 from flowabs_nodes.io.settings import Settings
 
 Array = npt.NDArray[np.float32]
@@ -40,7 +40,7 @@ class LuminanceChromaFile:
         missing = {"Y", "RY", "BY"} - set(channels)
         if missing or set(channels) - {"Y", "RY", "BY", "A"}:
             raise self._error(
-                f"channels {','.join(sorted(channels))} with subsampling; only Y,RY,BY[,A] can be read so"
+                f"channels {printable(','.join(sorted(channels)))} with subsampling; only Y,RY,BY[,A] can be read so"
             )
         low, high = header["dataWindow"]
         full_low, full_high = header["displayWindow"]

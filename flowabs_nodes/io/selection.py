@@ -8,6 +8,7 @@ from typing import NamedTuple
 import OpenImageIO as oiio
 
 from flowabs_nodes.errors import ReadError, nearest
+from flowabs_nodes.io.container import printable
 
 #: How files call red, green, blue, alpha.
 _RGBA = (
@@ -159,5 +160,5 @@ def _listing(specs: Sequence[oiio.ImageSpec]) -> str:
 
 
 def _few(names: Sequence[str], joint: str = ", ") -> str:
-    shown = [name if len(name) < 100 else name[:97] + "..." for name in names[:12]]
+    shown = [printable(name if len(name) < 100 else name[:97] + "...") for name in names[:12]]
     return joint.join(shown) + (f" and {len(names) - 12} more" if len(names) > 12 else "")

@@ -8,17 +8,15 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 
-import OpenImageIO as oiio
-
 from flowabs_nodes.errors import FlowabsError, WriteError
 from flowabs_nodes.io import formats
 from flowabs_nodes.io.claims import Claim, claim, failure
-from flowabs_nodes.io.container import reason
 from flowabs_nodes.io.encode_exr import encode_exr
 from flowabs_nodes.io.encode_flat import encode_flat
 from flowabs_nodes.io.picture import Picture, build_picture
 from flowabs_nodes.io.settings import Settings, checked
 from flowabs_nodes.io.stamps import GRAPH, KEY, stored_key
+from flowabs_nodes.io.whole import is_whole
 
 __all__ = ["Picture", "build_picture", "is_whole", "save", "stored_key"]
 
@@ -52,35 +50,10 @@ def _write(picture: Picture, kind: str, claimed: Claim, stamps: dict[str, str], 
     try:
         data = encode_exr(picture, stamps, warn) if kind == "openexr" else encode_flat(picture, kind, stamps, warn)
         claimed.write(data)
-        if os.path.getsize(claimed.temporary) != len(data) or not is_whole(claimed.temporary, kind):
+        if os.path.getsize(claimed.temporary) != len(data) or not is_whole(claimed.temporary, picture.settings, kind):
             raise WriteError("what was written cannot be read back", code="not-whole")
         claimed.publish()
     except OSError as error:
         raise failure(error, claimed.final) from error
     except MemoryError as error:
         raise WriteError("not enough memory to encode the frame", code="no-memory") from error
-
-
-def is_whole(path: str | os.PathLike[str], kind: str | None = None) -> bool:
-    """True if every pixel of every part decodes. ``kind`` is the format it must be; the extension's unless given."""
-    source = oiio.ImageInput.open(os.fspath(path))
-    if source is None:
-        reason(oiio)
-        return False
-    try:
-        part = 0
-        if source.format_name() != (kind or formats.by_name(path)):
-            return False
-        while source.seek_subimage(part, 0):
-            spec = source.spec()
-            if spec.deep:
-                missing = source.read_native_deep_image(part, 0) is None
-            else:
-                missing = source.read_image(part, 0, 0, spec.nchannels, spec.format) is None
-            if missing or reason(source):
-                return False
-            part += 1
-        reason(source)  # the last seek was one too far
-        return part > 0
-    finally:
-        source.close()
