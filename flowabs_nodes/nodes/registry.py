@@ -54,7 +54,7 @@ def _load() -> tuple[MappingProxyType[str, Node], MappingProxyType[str, str]]:
 
 
 def _package(point: EntryPoint) -> str:
-    return point.dist.name if point.dist is not None else point.value.partition(".")[0]
+    return point.dist.name if point.dist is not None else point.module.partition(".")[0]
 
 
 def _load_nodes(point: EntryPoint) -> tuple[Node, ...]:
@@ -63,6 +63,8 @@ def _load_nodes(point: EntryPoint) -> tuple[Node, ...]:
     for node in nodes:
         if not isinstance(node, Node):
             raise TypeError(f"{point.value} is {type(node).__name__}, not a Node or several")
+    if len({node.type for node in nodes}) < len(nodes):
+        raise ValueError(f"{point.value} has two nodes of one type")
     return nodes
 
 

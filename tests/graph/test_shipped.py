@@ -1,0 +1,74 @@
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+import flowabs_nodes
+from flowabs_nodes import graph
+from flowabs_nodes.errors import CommandError
+from flowabs_nodes.graph import shipped
+from flowabs_nodes.graph.shipped import resolve
+
+ROOT = Path(__file__).resolve().parents[2]
+NAMES = {"lines", "flat", "abstraction", "abstraction_hdr", "portrait", "inked", "flow"}
+
+
+def test_the_graphs_that_come_with_it():
+    assert set(graph.shipped()) >= NAMES
+
+
+@pytest.mark.parametrize("name", sorted(graph.shipped()))
+def test_each_is_valid_and_described(name):
+    assert graph.check(name) == []
+    loaded = graph.load(name)
+    assert loaded.name == name
+    assert loaded.description.endswith(".")
+    assert all(knob.help.endswith(".") for knob in loaded.interface.values())
+    for knob in loaded.interface.values():
+        for end in (knob.min, knob.max):
+            assert end is None or loaded.with_set({knob.name: end}).values(1)
+
+
+def test_inside_an_installed_package_the_folder_is_its_own(tmp_path, monkeypatch):
+    package = tmp_path / "flowabs_nodes"
+    (package / "graphs").mkdir(parents=True)
+    (package / "graphs" / "mine.json").write_text("{}")
+    (tmp_path / "graphs").mkdir()
+    monkeypatch.setattr(flowabs_nodes, "__file__", str(package / "__init__.py"))
+    assert shipped() == {"mine": package / "graphs" / "mine.json"}
+
+
+def test_another_package_named_graphs_is_not_taken_for_ours(tmp_path, monkeypatch):
+    (tmp_path / "graphs").mkdir()
+    (tmp_path / "graphs" / "theirs.json").write_text("{}")
+    monkeypatch.setattr(flowabs_nodes, "__file__", str(tmp_path / "flowabs_nodes" / "__init__.py"))
+    assert shipped() == {}
+
+
+def test_what_a_name_means(tmp_path, monkeypatch):
+    assert resolve("lines") == graph.shipped()["lines"]
+    assert resolve("./lines") == Path("lines")
+    assert resolve("lines.json") == Path("lines.json")
+    with pytest.raises(CommandError) as caught:
+        resolve("abstracton")
+    assert "abstraction" in caught.value.hint
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine").write_text("{}")
+    with pytest.raises(CommandError) as caught:
+        resolve("mine")
+    assert "./mine" in caught.value.hint
+
+
+def test_the_graph_in_the_documentation_is_valid():
+    text = (ROOT / "docs" / "graph-file.md").read_text(encoding="utf-8")
+    example = re.search(r"```json\n(.*?)```", text, re.DOTALL)
+    assert example
+    assert graph.check(json.loads(example[1])) == []
+
+
+def test_every_code_is_in_the_documentation():
+    text = (ROOT / "docs" / "graph-file.md").read_text(encoding="utf-8")
+    from flowabs_nodes.graph.problems import CODES
+
+    assert [code for code in CODES if f"`{code}`" not in text] == []
