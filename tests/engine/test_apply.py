@@ -222,7 +222,7 @@ def test_an_exception_s_many_lines_become_one():
     def run(context, image, *, amount):
         raise TypeError("first\nsecond\nthird")
 
-    with pytest.raises(InternalError, match="TypeError: first$"):
+    with pytest.raises(InternalError, match=r"TypeError: first$"):
         apply(changed(ADD, run), Context(), {"image": picture()}, {})
 
 
