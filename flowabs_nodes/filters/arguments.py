@@ -13,9 +13,9 @@ from flowabs_nodes.errors import ArgumentError, nearest
 Array = npt.NDArray[np.float32]
 
 
-def plane(name: str, value: npt.ArrayLike) -> Array:
-    """``value`` as a C-contiguous (H, W) float32 array of finite numbers."""
-    return _array(name, value, "(H, W)", lambda shape: len(shape) == 2)
+def plane(name: str, value: npt.ArrayLike, shape: tuple[int, ...] | None = None) -> Array:
+    """``value`` as a C-contiguous (H, W) float32 array of finite numbers; ``shape`` is the picture it has to fit."""
+    return _fitting(name, _array(name, value, "(H, W)", lambda found: len(found) == 2), shape)
 
 
 def planes(name: str, value: npt.ArrayLike) -> Array:
@@ -37,13 +37,16 @@ def any_channels(name: str, value: npt.ArrayLike) -> Array:
 
 def flow_field(value: npt.ArrayLike, shape: tuple[int, ...] | None = None, name: str = "flow") -> Array:
     """``value`` as a flow of (H, W, 2), x then y; ``shape`` is the picture it has to fit."""
-    flow = _array(name, value, "(H, W, 2)", lambda found: len(found) == 3 and found[2] == 2)
-    if shape is not None and flow.shape[:2] != shape[:2]:
+    return _fitting(name, _array(name, value, "(H, W, 2)", lambda found: len(found) == 3 and found[2] == 2), shape)
+
+
+def _fitting(name: str, array: Array, shape: tuple[int, ...] | None) -> Array:
+    if shape is not None and array.shape[:2] != shape[:2]:
         raise ArgumentError(
-            f"{name}: expected the size of the picture, {shape[1]}x{shape[0]}, found {flow.shape[1]}x{flow.shape[0]}",
+            f"{name}: expected the size of the picture, {shape[1]}x{shape[0]}, found {array.shape[1]}x{array.shape[0]}",
             parameter=name,
         )
-    return flow
+    return array
 
 
 def number(

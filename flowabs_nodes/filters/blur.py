@@ -34,10 +34,15 @@ def blur(image: npt.ArrayLike, sigma: float = 1.0) -> Array:
     sigma = arguments.number("sigma", sigma, min=0, max=10_000)
     if sigma == 0:
         return image.copy()
+    return separable(image, gaussian.half(sigma))
+
+
+def separable(image: Array, weights: npt.NDArray[np.float64]) -> Array:
+    """The weighted sum over columns, then rows; ``weights`` are those of the offsets 0, 1 .. to either side."""
     channels = 1 if image.ndim == 2 else image.shape[2]
     rows = image.reshape(image.shape[0], -1)
     blurred = np.empty_like(rows)
-    _blur(rows, channels, gaussian.half(sigma), blurred)
+    _blur(rows, channels, weights, blurred)
     return blurred.reshape(image.shape)
 
 
