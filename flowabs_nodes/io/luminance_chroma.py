@@ -88,31 +88,28 @@ class LuminanceChromaFile:
             raise self._error(f"damaged: {error}") from None
 
     def _full(self, channel: Any, name: str) -> Array:
-        """A chroma channel on every pixel; samples lie at the plane's even x and y."""
-        spec = self.specs[0]
+        """A chroma channel on every pixel. Corner and size of the data window are multiples of its sampling."""
         plane: Array = channel.pixels.astype(np.float32)
-        steps = (channel.ySampling, channel.xSampling)
-        for axis, (first, size) in enumerate(((spec.y, spec.height), (spec.x, spec.width))):
-            if steps[axis] not in (1, 2):
-                raise self._error(f"channel {name} is sampled every {steps[1]}x{steps[0]} pixels; 1 and 2 can be read")
-            if steps[axis] == 2:
-                plane = np.moveaxis(_upsampled(np.moveaxis(plane, axis, 0), first % 2, size), 0, axis)
+        for axis, step in enumerate((channel.ySampling, channel.xSampling)):
+            if step not in (1, 2):
+                steps = f"{channel.xSampling}x{channel.ySampling}"
+                raise self._error(f"channel {name} is sampled every {steps} pixels; 1 and 2 can be read")
+            if step == 2:
+                plane = np.moveaxis(_upsampled(np.moveaxis(plane, axis, 0)), 0, axis)
         return plane
 
     def _error(self, text: str) -> ReadError:
         return ReadError(text, code="damaged" if "damaged" in text else None, file=self.path)
 
 
-def _upsampled(samples: Array, first: int, size: int) -> Array:
-    """Samples along axis 0 at ``first``, ``first`` + 2 ... on ``size`` places; the filter between them."""
-    result = np.empty((size, *samples.shape[1:]), np.float32)
-    result[first::2] = samples
+def _upsampled(samples: Array) -> Array:
+    """Twice as many along axis 0: samples on the even places, the filter between them; ends are repeated."""
     count = len(samples)
-    left = np.arange(1 - first, size, 2) // 2 - (1 if first else 0)  # the sample just before each place between two
-    between = np.zeros((len(left), *samples.shape[1:]), np.float32)
+    result = np.zeros((2 * count, *samples.shape[1:]), np.float32)
+    result[0::2] = samples
+    left = np.arange(count)
     for step, weight in enumerate(_TAPS):
-        before = samples[np.clip(left - step, 0, count - 1)]
-        after = samples[np.clip(left + 1 + step, 0, count - 1)]
-        between += np.float32(weight) * (before + after)
-    result[1 - first :: 2] = between
+        before = samples[np.maximum(left - step, 0)]
+        after = samples[np.minimum(left + 1 + step, count - 1)]
+        result[1::2] += np.float32(weight) * (before + after)
     return result

@@ -18,6 +18,8 @@ _RGBA = (
     ("Red", "Green", "Blue", "Alpha"),
 )
 _GREY = (("Y", "A"), ("y", "a"))
+#: Beside these a Y is a coordinate, or luminance without its chroma.
+_NO_GREY = {"X", "x", "RY", "BY"}
 
 
 class Selection(NamedTuple):
@@ -121,6 +123,8 @@ def _pick(channels: Sequence[str], prefix: str, families: Iterable[tuple[str, ..
     """The channels of the first family that is there, alpha included where it is."""
     for *wanted, alpha in families:
         found = [prefix + name for name in wanted]
+        if len(wanted) == 1 and any(prefix + name in channels for name in _NO_GREY):
+            continue
         if set(found) <= set(channels):
             return (*found, prefix + alpha) if prefix + alpha in channels else tuple(found)
     return None

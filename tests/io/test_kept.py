@@ -1,0 +1,145 @@
+"""The plate's other layers, bit for bit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import OpenEXR
+import pytest
+
+from flowabs_nodes.errors import WriteError
+from flowabs_nodes.image import Image, Window
+from flowabs_nodes.io.read import read_image
+from flowabs_nodes.io.write import build_picture, save
+from tests.io.files import attributes, box, colors, exr, flat, native, parts, planes, same_bits
+
+RNG = np.random.default_rng(3)
+
+
+def aovs(height: int = 24, width: int = 32) -> dict[str, Any]:
+    """Half, float and uint side by side, with every bit pattern that may occur."""
+    shape = (height, width)
+    bits = RNG.integers(0, 2**32, shape, dtype=np.uint32)
+    return {
+        "Z": RNG.random(shape, np.float32) * 1e30,
+        "N.X": RNG.random(shape).astype(np.float16),
+        "N.Y": RNG.random(shape).astype(np.float16),
+        "id": bits,
+        "crypto00.red": bits.view(np.float32),  # ids as floats: NaN and denormals among them
+        "crypto00.green": RNG.random(shape, np.float32),
+        "diffuse.R": RNG.random(shape).astype(np.float16),
+    }
+
+
+@pytest.fixture
+def plate(tmp_path: Path) -> Path:
+    header = {"cryptomatte/abc/manifest": '{"bunny":"deadbeef"}', "displayWindow": box(-3, 0, 40, 30)}
+    return exr(tmp_path / "plate.exr", planes(colors(channels=4)) | aovs(), **header)
+
+
+def kept(image: Image, path: Path, names: str, **layers: Image) -> tuple[dict[str, np.ndarray], list[str]]:
+    warned: list[str] = []
+    save(build_picture(image, layers, keep_layers=names, warn=warned.append), path, warn=warned.append)
+    return native(path), warned
+
+
+def test_all(tmp_path: Path, plate: Path) -> None:
+    image = read_image(plate)
+    found, warned = kept(image.with_pixels(image.pixels * 2), tmp_path / "out.exr", "*")
+    before = native(plate)
+    assert set(found) == set(before)
+    for name in set(before) - set("RGBA"):
+        assert same_bits(found[name], before[name]), name
+    np.testing.assert_array_equal(found["R"], before["R"] * np.float16(2))
+    assert attributes(tmp_path / "out.exr") == attributes(plate)
+    assert not warned
+
+
+@pytest.mark.parametrize(
+    ("names", "expected"),
+    [
+        ("", set()),
+        ("Z", {"Z"}),
+        ("N, id", {"N.X", "N.Y", "id"}),
+        ("crypto*", {"crypto00.red", "crypto00.green"}),
+    ],
+)
+def test_by_name(tmp_path: Path, plate: Path, names: str, expected: set[str]) -> None:
+    found, _ = kept(read_image(plate), tmp_path / "out.exr", names)
+    assert set(found) - set("RGBA") == expected
+
+
+def test_a_name_that_is_not_there(tmp_path: Path, plate: Path) -> None:
+    with pytest.raises(WriteError, match="did you mean 'diffuse'") as caught:
+        kept(read_image(plate), tmp_path / "out.exr", "difuse")
+    assert (caught.value.code, caught.value.parameter) == ("no-layer", "keep_layers")
+    assert not list(tmp_path.glob("*out*"))
+
+
+def test_a_new_layer_wins(tmp_path: Path, plate: Path) -> None:
+    image = read_image(plate)
+    mine = image.with_pixels(np.full((24, 32, 1), 0.5, np.float32), "matte")
+    found, _ = kept(image, tmp_path / "out.exr", "*", diffuse=mine, Z=mine)
+    assert "diffuse.R" not in found
+    assert "Z" not in found
+    np.testing.assert_array_equal(found["diffuse.Y"], np.float16(0.5))
+
+
+def test_the_layer_that_was_read_is_no_other_layer(tmp_path: Path) -> None:
+    combined = planes(colors(channels=4), layer="ViewLayer.Combined")
+    plate = exr(tmp_path / "blender.exr", combined | {"ViewLayer.Depth.Z": np.ones((24, 32), np.float32)})
+    found, _ = kept(read_image(plate), tmp_path / "out.exr", "*")
+    assert set(found) == {"R", "G", "B", "A", "ViewLayer.Depth.Z"}
+    found, _ = kept(read_image(plate), tmp_path / "out.exr", "ViewLayer.Combined")
+    assert {"R", "ViewLayer.Combined.R"} < set(found)
+
+
+def test_other_parts_follow(tmp_path: Path) -> None:
+    small = {"dataWindow": box(2, 3, 16, 12), "displayWindow": box(0, 0, 40, 30), "owner": "depth"}
+    full = {"dataWindow": box(0, 0, 32, 24), "displayWindow": box(0, 0, 40, 30)}
+    plate = parts(
+        tmp_path / "parts.exr",
+        ("depth_left", {"Z": aovs(12, 16)["Z"]}, small | {"compression": OpenEXR.ZIPS_COMPRESSION}),
+        ("rgba_right", planes(colors(channels=4)) | {"id": aovs()["id"]}, full | {"view": "right"}),
+        (
+            "rgba_left",
+            planes(colors(channels=4, seed=2)),
+            full | {"view": "left", "compression": OpenEXR.DWAA_COMPRESSION},
+        ),
+    )
+    out = tmp_path / "out.exr"
+    _, warned = kept(read_image(plate), out, "*")
+    names = [part.name() for part in OpenEXR.File(str(out), header_only=True).parts]
+    assert names == ["rgba_right", "depth_left", "rgba_left"]
+    for new, old in ((0, 1), (1, 0), (2, 2)):
+        before, after = native(plate, old), native(out, new)
+        assert set(before) == set(after)
+        assert all(same_bits(before[name], after[name]) for name in before)
+        assert attributes(out, new) == attributes(plate, old)
+    assert not warned
+    _, _ = kept(read_image(plate), out, "depth_left")
+    assert [part.name() for part in OpenEXR.File(str(out), header_only=True).parts] == ["rgba_right", "depth_left"]
+
+
+def test_on_another_data_window_they_are_cut(tmp_path: Path, plate: Path) -> None:
+    found, warned = kept(read_image(plate).on_window(Window(1, 2, 10, 8)), tmp_path / "out.exr", "id")
+    assert same_bits(found["id"], native(plate)["id"][2:10, 1:11].copy())
+    assert "data window" in warned[0]
+
+
+def test_at_another_size_they_are_left_out(tmp_path: Path, plate: Path) -> None:
+    image = read_image(plate)
+    spec = image.spec
+    spec.width, spec.height, spec.full_width, spec.full_height = 16, 12, 20, 15
+    small = Image(image.pixels[::2, ::2], spec, "color", origin=image.origin)
+    found, warned = kept(small, tmp_path / "out.exr", "*")
+    assert set(found) == set("RGBA")
+    assert "size" in warned[0]
+
+
+def test_nothing_to_keep_from(tmp_path: Path) -> None:
+    for image in (Image.from_array(colors()), read_image(flat(tmp_path / "a.png", np.zeros((4, 4, 3), np.uint8)))):
+        _, warned = kept(image, tmp_path / "out.exr", "*")
+        assert "does not come from an EXR" in warned[0]

@@ -1,0 +1,53 @@
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from flowabs_nodes.errors import CommandError
+from flowabs_nodes.io.settings import Settings, checked, same_file, within
+
+
+def test_within_a_root(tmp_path: Path) -> None:
+    root = tmp_path / "root"
+    (root / "sub").mkdir(parents=True)
+    assert within(root / "sub" / "new.exr", root)
+    assert within(root / "sub" / ".." / "a.exr", root)
+    assert not within(root / "sub" / ".." / ".." / "a.exr", root)
+    assert not within("/etc/passwd", root)
+    assert not within(tmp_path / "root2" / "a.exr", root)
+
+
+def test_symbolic_links_are_followed(tmp_path: Path) -> None:
+    root, outside = tmp_path / "root", tmp_path / "outside"
+    root.mkdir()
+    outside.mkdir()
+    (root / "folder").symlink_to(outside)
+    (root / "file.exr").symlink_to(outside / "secret.exr")
+    (root / "loop").symlink_to(root / "loop")
+    assert not within(root / "folder" / "a.exr", root)
+    assert not within(root / "file.exr", root)
+    with pytest.raises(CommandError, match="outside") as caught:
+        checked(root / "folder" / "a.exr", Settings(root=root))
+    assert caught.value.code == "outside-root"
+    assert checked(root / "a.exr", Settings(root=root)) == root / "a.exr"
+
+
+@pytest.mark.parametrize("name", ["", "a\0b.exr", "file:///etc/x.exr", "http://x/y.exr"])
+def test_names_no_file_has(name: str) -> None:
+    with pytest.raises(CommandError) as caught:
+        checked(name, Settings())
+    assert caught.value.code == "bad-path"
+
+
+def test_same_file(tmp_path: Path) -> None:
+    a, b = tmp_path / "a.exr", tmp_path / "b.exr"
+    assert same_file(a, tmp_path / "x" / ".." / "a.exr")  # neither exists
+    a.write_text("a")
+    b.symlink_to(a)
+    os.link(a, tmp_path / "hard.exr")
+    assert same_file(a, b)
+    assert same_file(a, tmp_path / "hard.exr")
+    assert not same_file(a, tmp_path / "c.exr")
+    assert not same_file(a, "a\0")
