@@ -46,7 +46,7 @@ class Lines:
             self.line(f"frame {event['frame']}  failed  {event['message']}", error=True)
         else:
             files = ", ".join(event["files"])
-            self.line(f"frame {event['frame']}  {event['status']:7} {event['seconds']:7.2f} s  {files}")
+            self.line(f"frame {event['frame']}  {event['status']:7} {event['seconds']:7.2f} s  {files}".rstrip())
 
     def line(self, text: str, *, error: bool = False) -> None:
         """One line, at once."""

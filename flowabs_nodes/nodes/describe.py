@@ -57,8 +57,9 @@ def _markdown(node: Node) -> list[str]:
     if node.all_params:
         lines += ["", "| parameter | default | value | |", "|---|---|---|---|"]
         for param in node.all_params.values():
-            plain = default(param).removeprefix("default ")
-            lines.append(f"| `{param.name}` | {_cell(plain)} | {_cell(rule(param))} | {_cell(param.help)} |")
+            word, space, value = default(param).partition("default ")
+            shown = f"`{value}`" if space else word
+            lines.append(f"| `{param.name}` | {_cell(shown)} | {_cell(rule(param))} | {_cell(param.help)} |")
     return lines
 
 
