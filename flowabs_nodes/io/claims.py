@@ -14,7 +14,6 @@ import socket
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +30,7 @@ except ImportError:  # Windows: a claim lives as long as it is young
 STALE_AFTER = 24 * 3600.0
 
 HOST = re.sub(r"[^A-Za-z0-9_-]", "-", socket.gethostname()) or "localhost"
+_BLOCK = 1 << 24
 _CLAIM = re.compile(r"\.(?P<name>.+)\.(?P<host>[A-Za-z0-9_-]+)\.(?P<pid>\d{1,10})\.tmp", re.DOTALL)
 
 
@@ -40,25 +40,53 @@ class ClaimedError(WriteError):
     code = "claimed"
 
 
-@dataclass(frozen=True)
 class Claim:
-    """The right to write one file: ``temporary`` is where its bytes go first, open as ``fd``."""
+    """The right to write one file: ``temporary`` is where its bytes go first."""
 
-    final: Path
-    temporary: Path
-    fd: int
+    def __init__(self, final: Path, temporary: Path, fd: int) -> None:
+        self.final = final
+        self.temporary = temporary
+        self._fd: int | None = fd
 
     def write(self, data: bytes | memoryview) -> None:
         """Every byte of ``data``, on disk when this returns."""
+        assert self._fd is not None
         rest = memoryview(data)
         while rest:
-            rest = rest[os.write(self.fd, rest) :]  # a write may be short
-        os.fsync(self.fd)
+            rest = rest[os.write(self._fd, rest) :]  # a write may be short
+        os.fsync(self._fd)
+
+    def holds(self, data: bytes | memoryview) -> bool:
+        """True if the temporary is ``data``, byte for byte."""
+        expected = memoryview(data)
+        place = 0
+        with open(self.temporary, "rb") as file:
+            while block := file.read(_BLOCK):
+                if expected[place : place + len(block)] != block:
+                    return False
+                place += len(block)
+        return place == len(expected)
 
     def publish(self) -> None:
         """Give the temporary its final name, in one step; a symbolic link there is replaced, not followed."""
+        if fcntl is None:  # Windows renames no file that is open
+            self._close()
         os.replace(self.temporary, self.final)
         _sync_folder(self.final.parent)
+
+    def release(self) -> None:
+        """Remove the temporary, where it has not been published, and let others have the frame."""
+        if fcntl is None:
+            self._close()
+        # Removed while it is still locked: nobody else can have this name in between.
+        with suppress(FileNotFoundError):
+            os.unlink(self.temporary)
+        self._close()
+
+    def _close(self) -> None:
+        if self._fd is not None:
+            os.close(self._fd)
+            self._fd = None
 
 
 @contextmanager
@@ -72,16 +100,13 @@ def claim(path: str | os.PathLike[str]) -> Iterator[Claim]:
         final.parent.mkdir(parents=True, exist_ok=True)
         if final.is_dir() and not final.is_symlink():
             raise WriteError("there is a folder of this name", file=str(final))
-        temporary, fd = _take(final)
+        taken = Claim(final, *_take(final))
     except OSError as error:
         raise failure(error, final) from error
     try:
-        yield Claim(final, temporary, fd)
+        yield taken
     finally:
-        # Removed while it is still locked: nobody else can have this name in between. After a publish it is gone.
-        with suppress(FileNotFoundError):
-            os.unlink(temporary)
-        os.close(fd)
+        taken.release()
 
 
 def failure(error: OSError, path: str | os.PathLike[str]) -> WriteError:

@@ -40,6 +40,10 @@ def encode_exr(picture: Picture, stamps: Mapping[str, str], warn: Say) -> bytes:
         planes = layer_planes(name, layer, _pixels(picture, layer))
         channels.update(_typed(name, layer, planes, _data_type(picture, layer, warn), warn))
     planes = main_planes(picture.image, _pixels(picture, picture.image))
+    if twice := sorted(channels.keys() & planes.keys()):
+        raise WriteError(
+            f"channel {twice[0]} would be both the image's and a layer's", hint="give the input another name"
+        )
     channels.update(_typed("image", picture.image, planes, _data_type(picture, picture.image, warn), warn))
     channels.update(alpha_left_out(picture, warn))
     kept = kept_layers(picture, warn)

@@ -13,7 +13,7 @@ from flowabs_nodes.errors import WriteError, nearest
 from flowabs_nodes.image import Origin
 from flowabs_nodes.io.container import PictureFile, open_picture
 from flowabs_nodes.io.exr_header import header_of_part
-from flowabs_nodes.io.picture import Picture, has_file, moved, windows
+from flowabs_nodes.io.picture import Picture, moved, windows
 from flowabs_nodes.io.selection import layer_of, part_name
 
 Planes = dict[str, npt.NDArray[Any]]
@@ -37,7 +37,7 @@ def kept_layers(picture: Picture, warn: Callable[[str], None]) -> Kept:
     origin = picture.image.origin
     if not wanted:
         return Kept({})
-    if origin is None or not picture.plate_is_exr or not has_file(picture):
+    if origin is None or not picture.plate_is_exr:
         warn("keep_layers: the image does not come from an EXR file, so there are no other layers to keep")
         return Kept({})
     with open_picture(origin.file, picture.settings) as file:
@@ -61,7 +61,7 @@ def kept_layers(picture: Picture, warn: Callable[[str], None]) -> Kept:
 def alpha_left_out(picture: Picture, warn: Callable[[str], None]) -> Planes:
     """The A that the image does not have but its plate does, as it is in the file: it must not be lost."""
     image, origin = picture.image, picture.image.origin
-    if origin is None or not origin.alpha or image.type != "color" or "A" in image.channels or not has_file(picture):
+    if origin is None or not origin.alpha or image.type != "color" or "A" in image.channels:
         return {}
     with open_picture(origin.file, picture.settings) as file:
         plane = file.read_native(origin.part, [origin.alpha])[origin.alpha]

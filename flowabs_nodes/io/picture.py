@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -109,8 +108,3 @@ def windows(spec: oiio.ImageSpec) -> tuple[Window, Window]:
     """Data and display window of a header."""
     data = Window(spec.x, spec.y, spec.width, spec.height)
     return data, Window(spec.full_x, spec.full_y, spec.full_width, spec.full_height)
-
-
-def has_file(picture: Picture) -> bool:
-    """True where the plate's file is still there."""
-    return picture.image.origin is not None and os.path.exists(picture.image.origin.file)

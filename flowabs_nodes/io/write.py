@@ -50,7 +50,7 @@ def _write(picture: Picture, kind: str, claimed: Claim, stamps: dict[str, str], 
     try:
         data = encode_exr(picture, stamps, warn) if kind == "openexr" else encode_flat(picture, kind, stamps, warn)
         claimed.write(data)
-        if os.path.getsize(claimed.temporary) != len(data) or not is_whole(claimed.temporary, picture.settings, kind):
+        if not claimed.holds(data) or not is_whole(claimed.temporary, picture.settings, kind):
             raise WriteError("what was written cannot be read back", code="not-whole")
         claimed.publish()
     except OSError as error:

@@ -199,6 +199,32 @@ def test_without_locks_the_process_tells(tmp_path: Path, monkeypatch: pytest.Mon
     assert left(tmp_path) == ["out.exr"]
 
 
+def test_without_locks_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Windows: a claim lives as long as it is young, and no file is renamed or removed while it is open."""
+    monkeypatch.setattr(claims, "fcntl", None)
+    final = tmp_path / "out.exr"
+    with claim(final) as held:
+        held.write(b"frame")
+        held.publish()
+    with claim(tmp_path / "other.exr") as held:
+        held.write(b"half")
+    assert left(tmp_path) == ["out.exr"]
+    temporary(final, HOST, 999_999)
+    with pytest.raises(ClaimedError), claim(final):
+        pass
+    temporary(final, HOST, 999_999, age=25 * 3600)
+    with claim(final):
+        pass
+    assert left(tmp_path) == ["out.exr"]
+
+
+def test_holds(tmp_path: Path) -> None:
+    with claim(tmp_path / "out.exr") as held:
+        held.write(b"frame")
+        assert held.holds(b"frame")
+        assert not any(held.holds(other) for other in (b"", b"fram", b"frame!", b"frane"))
+
+
 def test_names_with_signs_of_sequences(tmp_path: Path) -> None:
     final = tmp_path / "cat@2x.#1.exr"
     temporary(final, HOST, 999_999)

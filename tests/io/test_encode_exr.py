@@ -11,6 +11,7 @@ import OpenEXR
 import OpenImageIO as oiio
 import pytest
 
+from flowabs_nodes.errors import ReadError, WriteError
 from flowabs_nodes.image import Image, Window
 from flowabs_nodes.io.read import read_data, read_image
 from flowabs_nodes.io.write import build_picture, save, stored_key
@@ -198,6 +199,12 @@ def test_a_flow_as_the_main_image(tmp_path: Path) -> None:
     assert found["flow.x"].dtype == np.float32
 
 
+def test_two_of_one_name_are_refused(tmp_path: Path) -> None:
+    flow = like(read_image(windowed(tmp_path / "plate.exr")), colors()[..., :2], "flow")
+    with pytest.raises(WriteError, match=r"flow\.x would be both"):
+        written(flow, tmp_path / "out.exr", layers={"flow": flow})
+
+
 def test_data_channels_of_one_last_name_keep_all_of_theirs(tmp_path: Path) -> None:
     plane = np.zeros((24, 32), np.float32)
     path = exr(tmp_path / "d.exr", {"f.left.u": plane, "f.right.u": plane + 1})
@@ -330,6 +337,19 @@ def test_an_ignored_alpha_is_written_as_it_was(tmp_path: Path) -> None:
     placed = np.zeros((10, 10), np.float32)
     placed[:, 3:] = channels["A"][2:12, :7]  # the corner of the plate's window is (3, -2), of the new one (0, 0)
     np.testing.assert_array_equal(native(out)["A"], placed)
+
+
+def test_a_plate_that_is_gone_takes_nothing_with_it_silently(tmp_path: Path) -> None:
+    pixels = colors(channels=4)
+    plate = exr(tmp_path / "plate.exr", planes(pixels))
+    ignored, image = read_image(plate, alpha="ignore"), read_image(plate)
+    plate.unlink()
+    for lost, options in ((ignored, {}), (image, {"keep_layers": "*"})):
+        with pytest.raises(ReadError, match="no such file"):
+            written(lost, tmp_path / "out.exr", **options)
+    assert not (tmp_path / "out.exr").exists()
+    _, warned = written(image, tmp_path / "out.exr")
+    assert "word for word" in warned[0]
 
 
 def test_the_plates_colour_tags_stay(tmp_path: Path) -> None:
