@@ -19,8 +19,8 @@ Event = dict[str, Any]
 
 
 def on_a_terminal() -> bool:
-    """Whether a person watches."""
-    return sys.stderr.isatty()
+    """Whether a person watches; a log that only one of the two goes to still gets its lines."""
+    return sys.stdout.isatty() and sys.stderr.isatty()
 
 
 class Lines:
