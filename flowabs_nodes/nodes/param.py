@@ -182,7 +182,7 @@ class Param:
             "string": "a text",
             "color": "a colour: three finite numbers, scene-linear red, green, blue",
             "file": "a file name or sequence pattern",
-            "custom": self.schema.get("description", "a value of its own kind"),
+            "custom": str(self.schema.get("description", "a value of its own kind")),
         }[self.kind]
         if self.min is not None or self.max is not None:
             words += " " + self.range_text
