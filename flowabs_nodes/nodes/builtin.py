@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from flowabs_nodes.nodes.read import READ, READ_AOV
-from flowabs_nodes.nodes.write import WRITE
-
 from flowabs_nodes.nodes.composite import COMPOSITE
 from flowabs_nodes.nodes.declare import Node
 from flowabs_nodes.nodes.flow import ETF, FLOW_BLUR, FLOW_COLOR, LIC
 from flowabs_nodes.nodes.lines import DOG, FDOG, FDOG_ITERATIVE
+from flowabs_nodes.nodes.read import READ, READ_AOV
 from flowabs_nodes.nodes.smooth import BLUR, FBL
 from flowabs_nodes.nodes.tone import EXPOSURE, QUANTIZE
+from flowabs_nodes.nodes.write import WRITE
 
 NODES: tuple[Node, ...] = (
     READ,

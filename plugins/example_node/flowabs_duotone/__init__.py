@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
 
@@ -16,7 +17,7 @@ def run_duotone(
     balance: float,
 ) -> Image:
     """Mix the two inks by lightness: L* 0 is all shadows, 100 all highlights, and above white it goes on."""
-    lightness = image.encoded_mono("lab")[..., None] / np.float32(255)  # L* x 2.55 -> 0..1, of the colour under the alpha
+    lightness = image.encoded_mono("lab")[..., None] / np.float32(255)  # L* x 2.55 -> 0..1
     share = np.maximum(lightness, 0) ** np.float32(2.0**-balance)
     rgb = (1 - share) * np.asarray(shadows, np.float32) + share * np.asarray(highlights, np.float32)
 

@@ -1,9 +1,10 @@
 """Every node should pass the compliance suite; what is special about yours comes after."""
 
-import flowabs_nodes as fa
 import numpy as np
 import pytest
 from flowabs_duotone import DUOTONE
+
+import flowabs_nodes as fa
 from flowabs_nodes.testing import compliance_checks
 
 
