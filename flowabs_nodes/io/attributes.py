@@ -76,11 +76,13 @@ def values(spec: oiio.ImageSpec) -> dict[str, tuple[str, Any]]:
     """Every attribute of a spec: name -> (type, value); arrays as tuples, so that they compare."""
     found = {}
     for attribute in spec.extra_attribs:
-        value = attribute.value
-        found[attribute.name] = (
-            str(attribute.type),
-            tuple(value.ravel().tolist()) if isinstance(value, np.ndarray) else value,
-        )
+        try:
+            value = attribute.value
+        except UnicodeDecodeError:  # OpenImageIO 3.0, where a text is no UTF-8
+            continue
+        if isinstance(value, np.ndarray):
+            value = tuple(value.ravel().tolist())
+        found[attribute.name] = (str(attribute.type), value)
     return found
 
 
@@ -111,7 +113,7 @@ def to_exr(name: str, kind: str, value: Any) -> tuple[str, Any] | None:
         return None
     if all(isinstance(item, str) for item in value):
         return name, [item.encode("utf-8", "replace").decode("utf-8") for item in value]
-    if base in ("rational", "urational") and len(value) == 2 and value[1]:
+    if "rational" in base and len(value) == 2 and value[1]:
         return name, Fraction(int(value[0]), int(value[1]))
     if base == "timecode":
         return name, _timecode(int(value[0]), int(value[1]))

@@ -52,9 +52,7 @@ def open_picture(path: str | os.PathLike[str], settings: Settings) -> Iterator[P
     if source is None:
         why = reason(oiio)
         if kind == "openexr" and "ubsampled" in why:
-            from flowabs_nodes.io.luminance_chroma import LuminanceChromaFile
-
-            yield LuminanceChromaFile(name, settings)
+            yield _luminance_chroma(name, settings)
             return
         raise ReadError(why or "damaged, or not a picture", file=name)
     try:
@@ -66,9 +64,20 @@ def open_picture(path: str | os.PathLike[str], settings: Settings) -> Iterator[P
         reason(source)  # the last seek was one too far
         if not specs:
             raise ReadError("damaged: no picture in the file", file=name)
+        if kind == "openexr" and len(specs) == 1 and {"Y", "RY", "BY"} <= set(specs[0].channelnames):
+            yield _luminance_chroma(
+                name, settings
+            )  # not subsampled, or OpenImageIO 3.0, which opens but cannot read it
+            return
         yield _OiioFile(name, kind, tuple(specs), source, settings)
     finally:
         source.close()
+
+
+def _luminance_chroma(path: str, settings: Settings) -> PictureFile:
+    from flowabs_nodes.io.luminance_chroma import LuminanceChromaFile
+
+    return LuminanceChromaFile(path, settings)
 
 
 class _OiioFile:
@@ -162,7 +171,7 @@ def reason(source: Any) -> str:
     except UnicodeDecodeError:  # a damaged header quoted in the message
         return "damaged header"
     first = printable(text.strip().split("\n")[0])[:300]
-    return re.sub(r"^EXR Error \(.*?\): (EXR_ERR_\w+ )?", "damaged: ", first)
+    return re.sub(r"^(EXR Error \(.*?\): (EXR_ERR_\w+ )?|OpenEXR exception: )", "damaged: ", first)
 
 
 def printable(text: str) -> str:

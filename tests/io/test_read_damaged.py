@@ -56,7 +56,7 @@ def test_a_cut_exr_is_an_error_not_zeros(tmp_path: Path, compression: str) -> No
     whole = path.read_bytes()
     for size in (len(whole) - 1, len(whole) // 2, 600, 300, 100, 8, 4):
         path.write_bytes(whole[:size])
-        refused(path, "damaged")
+        refused(path, "damaged|not an OpenEXR file")
 
 
 @pytest.mark.parametrize("name", ["a.png", "a.jpg", "a.tif"])
