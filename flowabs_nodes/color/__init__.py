@@ -1,4 +1,4 @@
-"""Code values, and where a file's colour space comes from (DESIGN 4.1, 4.2, 10).
+"""Code values, and where a file's colour space comes from.
 
 Each name is imported when it is first asked for: this package alone imports neither numba nor OpenImageIO.
 """

@@ -1,4 +1,4 @@
-"""Code values: scene-linear RGB in an encoding where diffuse white is 255, and back (DESIGN 4.1).
+"""Code values: scene-linear RGB in an encoding where diffuse white is 255, and back.
 
 The paper's parameters only mean something on 0..255, so this is what filters see. Highlights go on above 255, negative
 colours below 0: every finite HDR value has a place and comes back.

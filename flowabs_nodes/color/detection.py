@@ -1,4 +1,4 @@
-"""Where the colour space of a file comes from: parameter, tag, chromaticities, then linear Rec.709 (DESIGN 10)."""
+"""Where the colour space of a file comes from: parameter, tag, chromaticities, then linear Rec.709."""
 
 from __future__ import annotations
 

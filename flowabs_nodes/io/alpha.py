@@ -1,4 +1,4 @@
-"""What a file's alpha means, and how its pixels become premultiplied and scene-linear (DESIGN 4.3)."""
+"""What a file's alpha means, and how its pixels become premultiplied and scene-linear."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Claims: a frame that is being written has a temporary file beside it, opened exclusively and locked (DESIGN 7).
+"""Claims: a frame that is being written has a temporary file beside it, opened exclusively and locked.
 
 ``.{name}.{host}.{pid}.tmp`` says who writes. While the writer lives nobody else writes that frame; when it is killed,
 its lock is gone and the next one sweeps the file away. Nothing is ever at the final name but a whole frame.

@@ -1,4 +1,4 @@
-"""What a file's content is, as a short text: part of every key (DESIGN 7)."""
+"""What a file's content is, as a short text: part of every key."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""NaN and Inf in a plate: repaired from their neighbours, or refused, and always counted (DESIGN 10)."""
+"""NaN and Inf in a plate: repaired from their neighbours, or refused, and always counted."""
 
 from __future__ import annotations
 

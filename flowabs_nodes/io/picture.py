@@ -32,7 +32,7 @@ class Picture:
     layers
         Further images by layer name, on the same data window.
     data_type, compression, keep_layers, colorspace, metadata
-        As the parameters of ``write`` (DESIGN 5).
+        As the parameters of ``write``.
     """
 
     image: Image

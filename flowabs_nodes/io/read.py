@@ -1,4 +1,4 @@
-"""Reading plates and AOVs: from a file to the Image that travels through a graph (DESIGN 4.3, 5, 10)."""
+"""Reading plates and AOVs: from a file to the Image that travels through a graph."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Safe writing: at the final name there is a whole frame or nothing (DESIGN 7, 10).
+"""Safe writing: at the final name there is a whole frame or nothing.
 
 Claim, encode in memory, write every byte to the temporary, sync, read every pixel back, rename.
 """

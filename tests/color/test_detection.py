@@ -1,4 +1,4 @@
-"""Where a file's colour space comes from, in DESIGN 10's order; no header makes it fail."""
+"""Where a file's colour space comes from, in the documented order; no header makes it fail."""
 
 import numpy as np
 import OpenImageIO as oiio
