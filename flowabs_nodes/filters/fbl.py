@@ -125,7 +125,7 @@ def _along(picture: Any, flow: Any, closeness: Any, falloff: Any, to_nearest: bo
     height, width, _ = picture.shape
     source, tangents, target = picture.reshape(-1), flow.reshape(-1), smoothed.reshape(-1)
     for y in prange(height):
-        _along_row(source, tangents, closeness, falloff, to_nearest, y, width, height, target)
+        _along_row(source, tangents, closeness, falloff, to_nearest, np.int64(y), width, height, target)
 
 
 @kernel
@@ -163,7 +163,7 @@ def _across(picture: Any, flow: Any, closeness: Any, falloff: Any, to_nearest: b
     height, width, _ = picture.shape
     source, tangents, target = picture.reshape(-1), flow.reshape(-1), smoothed.reshape(-1)
     for y in prange(height):
-        _across_row(source, tangents, closeness, falloff, to_nearest, y, width, height, target)
+        _across_row(source, tangents, closeness, falloff, to_nearest, np.int64(y), width, height, target)
 
 
 @kernel

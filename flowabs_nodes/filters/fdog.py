@@ -46,7 +46,7 @@ def fdog(
         Weight of the outer Gaussian, which is 1.6 times as wide: 0 to 2, typically 0.97 to 1. Where code values are
         constant, H = (1 - rho) I.
     color_weight
-        Weight w >= 0 of the second and third channel: with d the channels' responses,
+        Weight w of the second and third channel, 0 to 1e6: with d the channels' responses,
         H = tanh(2 d_L) sqrt(d_L^2 + w^2 (d_a^2 + d_b^2)) (DESIGN 4.8).
     kernel
         "separable": across the flow, then along it (eqs. 10, 11); "full": eq. 6, with a gradient line through every
@@ -89,7 +89,7 @@ class Detector:
         return cls(
             weights=gaussian.half(sigma_m),
             taps=gaussian.difference(sigma_c, rho),
-            color_weight=arguments.number("color_weight", color_weight, min=0),
+            color_weight=arguments.number("color_weight", color_weight, min=0, max=1e6),
             full=arguments.choice("kernel", kernel, ("separable", "full")) == "full",
             sampling=arguments.choice("sampling", sampling, SAMPLINGS),
         )
@@ -128,25 +128,22 @@ def _full(
     image: Array, flow: Array, taps: npt.NDArray[np.float64], weights: npt.NDArray[np.float64], sampling: str
 ) -> Array:
     """Eq. 6."""
-    height, width, _ = image.shape
     result = np.empty_like(image)
-    taps, weights = taps.astype(np.float32), weights.astype(np.float32)
-    nearest = sampling == "nearest"
-    _full_rows(image.reshape(-1), flow.reshape(-1), taps, weights, nearest, height, width, result.reshape(-1))
+    _full_rows(image, flow, taps.astype(np.float32), weights.astype(np.float32), sampling == "nearest", result)
     return result
 
 
 @parallel_kernel
-def _full_rows(
-    image: Any, flow: Any, taps: Any, weights: Any, nearest: bool, height: int, width: int, result: Any
-) -> None:
+def _full_rows(image: Any, flow: Any, taps: Any, weights: Any, to_nearest: bool, result: Any) -> None:
+    height, width, _ = image.shape
+    source, tangents, target = image.reshape(-1), flow.reshape(-1), result.reshape(-1)
     for y in prange(height):
-        _full_row(image, flow, taps, weights, nearest, y, height, width, result)
+        _full_row(source, tangents, taps, weights, to_nearest, np.int64(y), width, height, target)
 
 
 @kernel
 def _full_row(
-    image: Any, flow: Any, taps: Any, weights: Any, nearest: bool, y: int, height: int, width: int, result: Any
+    image: Any, flow: Any, taps: Any, weights: Any, to_nearest: bool, y: int, width: int, height: int, result: Any
 ) -> None:
     walk = new_walk()
     centre_x, centre_y = scratch(np.float64, 1), scratch(np.float64, 1)
@@ -162,7 +159,7 @@ def _full_row(
             for s in range(way, weights.size):  # the centre belongs to the first way
                 if s > 0:
                     step(walk, flow, block)
-                if nearest:  # z is the pixel itself
+                if to_nearest:  # z is the pixel itself
                     snap(walk.dx, walk.dy, centre_x, centre_y, block)
                 else:
                     for i in range(block.size):

@@ -68,7 +68,7 @@ def _along(image: Any, flow: Any, weights: Any, to_nearest: bool, result: Any) -
     height, width, _ = image.shape
     source, tangents, target = image.reshape(-1), flow.reshape(-1), result.reshape(-1)
     for y in prange(height):
-        _along_row(source, tangents, weights, to_nearest, y, width, height, target)
+        _along_row(source, tangents, weights, to_nearest, np.int64(y), width, height, target)
 
 
 @kernel

@@ -38,7 +38,7 @@ def _across(image: Any, flow: Any, taps: Any, result: Any) -> None:
     height, width, _ = image.shape
     source, tangents, target = image.reshape(-1), flow.reshape(-1), result.reshape(-1)
     for y in prange(height):
-        _across_row(source, tangents, taps, y, width, height, target)
+        _across_row(source, tangents, taps, np.int64(y), width, height, target)
 
 
 @kernel

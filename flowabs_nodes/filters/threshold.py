@@ -45,7 +45,7 @@ def threshold(response: npt.ArrayLike, tau: float = 0.5, contrast: float | None 
     elif tau == 0:
         contrast = math.inf
     else:
-        contrast = -math.atanh(tau - 1)
+        contrast = (math.log(2 - tau) - math.log(tau)) / 2  # -atanh(tau - 1), also where tau - 1 rounds to -1
     lines = np.empty_like(response)
     _threshold(response, -contrast, softness, lines)
     return lines

@@ -1,0 +1,33 @@
+"""Flows that the filters are tried on."""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+import numpy.typing as npt
+
+from flowabs_nodes import filters
+from tests.filters.pictures import noise, photo
+
+#: Shapes at which walks leave the picture at once.
+THIN = [(1, 1), (1, 23), (23, 1), (2, 2), (2, 300)]
+
+
+def random_flow(shape: tuple[int, ...], seed: int = 0, zeros: float = 0.1) -> npt.NDArray[np.float32]:
+    """Unit tangents without any order, a share of them zero."""
+    random = np.random.default_rng(seed)
+    angle = random.uniform(0, 2 * np.pi, shape[:2])
+    flow = np.stack([np.cos(angle), np.sin(angle)], -1)
+    flow[random.random(shape[:2]) < zeros] = 0
+    return flow.astype(np.float32)
+
+
+@functools.cache
+def cases() -> dict[str, tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]]:
+    """Name: code values (H, W, 3) and a flow. A photograph with its own flow, and noise with noise."""
+    cat, one = photo(), noise()
+    return {
+        "photo": (cat, filters.etf(cat[..., 0])),
+        "noise": (np.stack([one, one[::-1], one[:, ::-1]], -1), random_flow(one.shape)),
+    }

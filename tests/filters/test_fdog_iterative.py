@@ -1,0 +1,68 @@
+import numpy as np
+import pytest
+
+from flowabs_nodes.errors import ArgumentError
+from flowabs_nodes.filters import fdog, fdog_iterative, threshold
+from tests.filters.flows import cases
+from tests.naive import fdog as naive
+
+SOFT = {"rho": 1.0, "contrast": 1.5, "softness": 4.0}
+
+
+@pytest.mark.parametrize("name", ["photo", "noise"])
+def test_equals_section_3_2_in_float64(name):
+    image, flow = cases()[name]
+    lines, response = fdog_iterative(image[..., 0], flow)
+    expected_lines, expected = naive.fdog_iterative(image[..., 0], flow, 3)
+    assert (lines == expected_lines).mean() > 0.999
+    np.testing.assert_allclose(np.median(abs(response - expected)), 0, atol=1e-4)
+
+
+@pytest.mark.parametrize("parameters", [{"iterations": 2}, {"iterations": 3, "pre_blur": 0.8, "color_weight": 0.5}])
+def test_soft_lines_from_colour(parameters):
+    image, flow = cases()["photo"]
+    lines, response = fdog_iterative(image, flow, **SOFT, **parameters)
+    expected_lines, expected = naive.fdog_iterative(image, flow, **SOFT, **parameters)
+    np.testing.assert_allclose(response, expected, rtol=0, atol=1e-3)
+    np.testing.assert_allclose(lines, expected_lines, rtol=0, atol=1e-3)
+
+
+def test_one_pass_is_fdog_and_threshold():
+    image, flow = cases()["photo"]
+    lines, response = fdog_iterative(image, flow, 2.0, 1.2, 0.98, 0.5, "full", "nearest", 0.6, None, 1.0, 1)
+    np.testing.assert_array_equal(response, fdog(image, flow, 2.0, 1.2, 0.98, 0.5, "full", "nearest"))
+    np.testing.assert_array_equal(lines, threshold(response, 0.6, None, 1.0))
+
+
+def test_each_pass_draws_over_the_original():
+    image, flow = cases()["photo"]
+    first, _ = fdog_iterative(image, flow, **SOFT, iterations=1)
+    second, _ = fdog_iterative(image, flow, **SOFT, iterations=2)
+    again = threshold(fdog(image * first[..., None], flow, rho=1.0), contrast=1.5, softness=4.0)
+    np.testing.assert_allclose(second, again, atol=1e-5)
+    assert (1 - second).sum() > (1 - first).sum()  # lines grow
+
+
+def test_every_number_of_threads_gives_the_same_bits(each_thread_count):
+    image, flow = cases()["noise"]
+    one, *others = each_thread_count(lambda: fdog_iterative(image, flow, color_weight=0.5, softness=2.0))
+    for other in others:
+        np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "parameter"),
+    [
+        ({"code": np.zeros((4, 5, 2))}, "code"),
+        ({"flow": np.zeros((4, 6, 2))}, "flow"),
+        ({"iterations": 0}, "iterations"),
+        ({"iterations": 1.0}, "iterations"),
+        ({"pre_blur": -1}, "pre_blur"),
+        ({"sigma_c": -1}, "sigma_c"),
+        ({"tau": 2}, "tau"),
+    ],
+)
+def test_errors_name_the_argument(arguments, parameter):
+    with pytest.raises(ArgumentError, match=parameter) as error:
+        fdog_iterative(**({"code": np.zeros((4, 5)), "flow": np.zeros((4, 5, 2))} | arguments))
+    assert error.value.parameter == parameter
