@@ -103,6 +103,8 @@ def _array(name: str, value: npt.ArrayLike, shapes: str, fits: Any) -> Array:
         raise ArgumentError(
             f"{name}: expected shape {shapes} with at least one pixel, found {array.shape}", parameter=name
         )
+    if array.shape[0] * array.shape[1] >= 2**31:
+        raise ArgumentError(f"{name}: expected fewer than 2^31 pixels, found {array.shape}", parameter=name)
     with np.errstate(over="ignore", invalid="ignore"):  # numbers beyond float32; Inf - Inf
         result: Array = np.ascontiguousarray(array, np.float32)
         # One pass that makes no copy: a sum of finite float32 numbers in float64 is finite.

@@ -17,6 +17,8 @@ from flowabs_nodes.filters.kernels import kernel, parallel_kernel
 from flowabs_nodes.filters.sampling import SAMPLINGS, find, nearest, new_between, read, read_between
 from flowabs_nodes.filters.walk import new_walk, start, step
 
+TINY = np.float32(1e-20)  # an alpha from which colours can no longer be told
+
 
 def fbl(
     codes: npt.ArrayLike,
@@ -47,7 +49,7 @@ def fbl(
         How curve and gradient line are read, "nearest" pixel (crisper, faster) or "bilinear".
     alpha
         (H, W), coverage: every reading's weight is multiplied by its alpha, so that the colour of what is not there
-        never shows. Pixels with alpha 0 (or less) keep their value. None is 1 everywhere.
+        never shows. Pixels with alpha 0 or less keep their value. None is 1 everywhere.
 
     Returns
     -------
@@ -101,8 +103,7 @@ def _multiply(codes: Any, alpha: Any, picture: Any) -> None:
     height, width, _ = codes.shape
     for y in prange(height):
         for x in range(width):
-            # Below this alpha a colour cannot be told any more from what was multiplied by it.
-            a = alpha[y, x] if alpha[y, x] > np.float32(1e-20) else np.float32(0.0)
+            a = alpha[y, x] if alpha[y, x] > TINY else np.float32(0.0)
             picture[y, x, 0] = a * codes[y, x, 0]
             picture[y, x, 1] = a * codes[y, x, 1]
             picture[y, x, 2] = a * codes[y, x, 2]
@@ -247,7 +248,7 @@ def weigh(sums: Sums, values: Any, closeness: Any, falloff: Any, block: Block) -
     for i in range(block.size):
         k = u(4) * i
         alpha = values[k + u(3)]
-        over = np.float32(1.0) / alpha if alpha > 0 else np.float32(0.0)
+        over = np.float32(1.0) / alpha if alpha > TINY else np.float32(0.0)
         dl = over * values[k] - sums.l[i]
         da = over * values[k + u(1)] - sums.a[i]
         db = over * values[k + u(2)] - sums.b[i]

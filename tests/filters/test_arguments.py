@@ -116,3 +116,15 @@ def test_choice_hints_at_the_nearest():
     assert arguments.choice("kernel", "full", ("full", "separable")) == "full"
     with pytest.raises(ArgumentError, match="did you mean 'separable'"):
         arguments.choice("kernel", "seperable", ("full", "separable"))
+
+
+def test_pictures_that_kernels_could_not_count_are_refused():
+    with pytest.raises(ArgumentError, match=r"code: expected fewer than 2\^31 pixels"):
+        arguments.plane("code", np.broadcast_to(np.uint8(0), (2**16, 2**15)))
+
+
+def test_a_plane_has_to_fit_the_picture():
+    assert arguments.plane("alpha", np.zeros((4, 5)), (4, 5, 3)).shape == (4, 5)
+    with pytest.raises(ArgumentError, match="alpha: expected the size of the picture, 5x4, found 4x5") as error:
+        arguments.plane("alpha", np.zeros((5, 4)), (4, 5, 3))
+    assert error.value.parameter == "alpha"

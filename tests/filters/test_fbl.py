@@ -57,6 +57,18 @@ def test_the_colour_of_what_is_not_there_never_shows(sampling):
     np.testing.assert_array_equal(smooth[:, 30:], poisoned[:, 30:].astype(np.float32))
 
 
+@pytest.mark.parametrize("sampling", SAMPLINGS)
+def test_alpha_and_flow_of_any_magnitude_give_colours_of_the_picture(sampling):
+    image, flow = cases()["noise"]
+    random = np.random.default_rng(5)
+    alpha = random.choice([0, 1e-45, 1e-38, 1e-19, 1e-10, 1e-3, 1, 1e10], flow.shape[:2])
+    flow = flow * random.choice([1e-45, 1e-30, 1e-10, 1, 100], flow.shape)
+    smooth = fbl(image, flow, 2, 1000, 2, 1000, 3, sampling, alpha)
+    assert np.isfinite(smooth).all()
+    assert smooth.min() >= image.min() - 0.1
+    assert smooth.max() <= image.max() + 0.1
+
+
 def test_alpha_1_is_no_alpha_and_scaling_alpha_changes_nothing():
     image, flow = cases()["photo"]
     expected = fbl(image, flow)
