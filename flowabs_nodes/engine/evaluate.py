@@ -15,7 +15,8 @@ from flowabs_nodes.engine.apply import apply, deliver
 from flowabs_nodes.engine.failures import contained
 from flowabs_nodes.engine.plan import Result, Step, Unit
 from flowabs_nodes.engine.report import Note
-from flowabs_nodes.engine.scale import length_factor, scale_image, scale_lengths
+from flowabs_nodes.engine.resize import scale_image
+from flowabs_nodes.engine.scale import length_factor, scale_lengths
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node
 

@@ -1,9 +1,8 @@
-import numpy as np
 import pytest
 
-from flowabs_nodes.engine.scale import check_scale, length_factor, scale_image, scale_lengths, scale_window
+from flowabs_nodes.engine.resize import scale_image
+from flowabs_nodes.engine.scale import check_scale, length_factor, scale_lengths
 from flowabs_nodes.errors import ArgumentError
-from flowabs_nodes.image import Image, Window
 from flowabs_nodes.nodes.declare import Node, Param, Port
 from tests.engine.fakes import ADD, IMAGE, SPLIT, picture
 
@@ -63,55 +62,3 @@ def test_the_factor_comes_from_the_display_window():
 def test_scale_must_be_a_share(scale):
     with pytest.raises(ArgumentError, match="above 0 up to 1"):
         check_scale(scale)
-
-
-def test_windows_shrink_at_their_edges():
-    assert scale_window(Window(0, 0, 1920, 1080), 0.5) == (0, 0, 960, 540)
-    assert scale_window(Window(-10, 5, 101, 33), 0.5) == (-5, 3, 51, 16)
-    assert scale_window(Window(7, 7, 1, 1), 0.1) == (1, 1, 1, 1)
-
-
-@pytest.mark.parametrize("scale", [0.5, 0.3, 0.77])
-@pytest.mark.parametrize("data", [Window(0, 0, 40, 30), Window(6, 4, 20, 18), Window(-9, -5, 60, 44)])
-def test_a_picture_keeps_its_place_brightness_and_metadata(scale, data):
-    y, x = np.mgrid[data.y : data.y + data.height, data.x : data.x + data.width] + 0.5
-    image = Image.from_array(np.stack([x, y, np.full_like(x, 0.5)], axis=2))
-    spec = image.spec
-    spec.x, spec.y = data.x, data.y
-    spec.full_width, spec.full_height = 40, 30
-    spec.attribute("owner", "somebody")
-    small = scale_image(Image(image.pixels, spec, "color"), scale)
-    assert small.display_window == scale_window(Window(0, 0, 40, 30), scale)
-    assert small.data_window == scale_window(data, scale)
-    assert small.spec.get("owner") == "somebody"
-    window = small.data_window
-    rows = (np.arange(window.y, window.y + window.height) + 0.5) * 30 / small.display_window.height
-    inside = slice(2, -2)
-    np.testing.assert_allclose(small.pixels[:, 3, 1][inside], rows[inside], atol=0.05)
-    np.testing.assert_allclose(small.pixels[..., 2], 0.5, atol=1e-5, err_msg="no dark rim")
-
-
-def test_highlights_make_no_negative_rim_and_opaque_stays_opaque():
-    pixels = np.zeros((32, 32, 4), np.float32)
-    pixels[8:20, 8:20, :3] = 1000
-    pixels[..., 3] = 1
-    small = scale_image(Image.from_array(pixels), 0.4)
-    assert small.pixels.min() == 0
-    assert small.alpha is None
-
-
-@pytest.mark.parametrize("kind", ["flow", "data"])
-def test_directions_and_ids_are_never_mixed(kind):
-    rng = np.random.default_rng(1)
-    pixels = rng.integers(0, 1000, (20, 30, 2)).astype(np.float32)
-    image = Image.from_array(pixels, type=kind)
-    small = scale_image(image, 0.5)
-    assert small.type == kind
-    assert small.channels == image.channels
-    assert set(small.pixels[..., 0].ravel()) <= set(pixels[..., 0].ravel())
-    np.testing.assert_array_equal(small.pixels, pixels[1::2, 1::2])
-
-
-def test_full_size_is_the_image_itself():
-    image = picture()
-    assert scale_image(image, 1.0) is image
