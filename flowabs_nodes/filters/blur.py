@@ -19,7 +19,7 @@ def blur(image: npt.ArrayLike, sigma: float = 1.0) -> Array:
     image
         (H, W) or (H, W, C), any scale; RGBA premultiplied.
     sigma
-        Standard deviation in pixels, 0 to 10,000; 0 gives a copy. Cut at ceil(3 sigma) (DESIGN 4.7).
+        Standard deviation in pixels, 0 to 10,000; 0 gives a copy. Cut at ceil(3 sigma).
 
     Returns
     -------

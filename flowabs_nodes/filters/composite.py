@@ -22,7 +22,7 @@ def composite(
     opacity: float = 1.0,
     alpha: npt.ArrayLike | None = None,
 ) -> Array:
-    """Ink over a picture: rgb (1 - k) + ink A k with k = (1 - lines) opacity (DESIGN 4.3).
+    """Ink over a picture: rgb (1 - k) + ink A k with k = (1 - lines) opacity.
 
     Parameters
     ----------

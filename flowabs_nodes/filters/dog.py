@@ -19,7 +19,7 @@ def dog(code: npt.ArrayLike, sigma_c: float = 1.0, rho: float = 0.99) -> Array:
         Code values, (H, W).
     sigma_c
         Sigma of the inner Gaussian in pixels, above 0, at most 10,000: the width of lines. Both Gaussians are cut at
-        ceil(3 * 1.6 sigma_c), the border repeated (DESIGN 4.7).
+        ceil(3 * 1.6 sigma_c), the border repeated.
     rho
         Weight of the outer Gaussian, 0 to 2. Where code values are constant, H = (1 - rho) I.
 

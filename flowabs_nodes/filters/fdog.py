@@ -47,7 +47,7 @@ def fdog(
         constant, H = (1 - rho) I.
     color_weight
         Weight w of the second and third channel, 0 to 1e6: with d the channels' responses,
-        H = tanh(2 d_L) sqrt(d_L^2 + w^2 (d_a^2 + d_b^2)) (DESIGN 4.8).
+        H = tanh(2 d_L) sqrt(d_L^2 + w^2 (d_a^2 + d_b^2)).
     kernel
         "separable": across the flow, then along it (eqs. 10, 11); "full": eq. 6, with a gradient line through every
         point of the curve rather than through the pixels near it. It costs as many times more as the curve has steps.
@@ -108,7 +108,7 @@ class Detector:
 
 @parallel_kernel
 def _join(responses: Any, weight: Any, joined: Any) -> None:
-    """DESIGN 4.8; the first channel alone where the others have no weight."""
+    """H of all channels together; the first alone where the others have no weight."""
     for y in prange(joined.shape[0]):
         _join_row(responses[y], weight, joined[y])
 

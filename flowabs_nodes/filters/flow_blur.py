@@ -27,7 +27,7 @@ def flow_blur(image: npt.ArrayLike, flow: npt.ArrayLike, sigma: float = 2.0, sam
     flow
         (H, W, 2), unit tangents, x right and y down; the sign has no meaning.
     sigma
-        Standard deviation in pixels along the curve, 0 to 10,000; 0 gives a copy. Cut at ceil(3 sigma) (DESIGN 4.7).
+        Standard deviation in pixels along the curve, 0 to 10,000; 0 gives a copy. Cut at ceil(3 sigma).
     sampling
         How the curve is read, "bilinear" or "nearest" pixel.
 

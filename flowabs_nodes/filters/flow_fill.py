@@ -1,6 +1,6 @@
 """Tangents where there is little or no gradient, from the tensor average around them: push-pull by confidence.
 
-Not in the paper, which leaves holes where the image is constant and rounding noise where it is nearly so (DESIGN 4.5).
+Not in the paper, which leaves holes where the image is constant and rounding noise where it is nearly so.
 A tangent t of magnitude m enters as the tensor m^2 t t^T, whose trace is the confidence W = m^2. The field is halved
 down to one pixel. Then, coming up, each cell takes its own average tensor with the weight alpha = min(1, W / fill^2),
 W the mean over the cell, and the coarser level's, bilinearly, with the rest. Up to its trace a tensor is its double

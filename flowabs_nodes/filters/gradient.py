@@ -1,4 +1,4 @@
-"""The gradient of code values (DESIGN 4.4): tangents, magnitudes, and the reference that magnitudes are normalised by.
+"""The gradient of code values: tangents, magnitudes, and the reference that magnitudes are normalised by.
 
 3x3 Sobel divided by 8, border repeated, in float64 inside: exact for any finite float32 picture, and never over- or
 underflowing where it is squared.

@@ -14,7 +14,7 @@ from flowabs_nodes.filters.kernels import parallel_kernel
 
 
 def quantize(lstar: npt.ArrayLike, levels: int = 8, softness: float = 0.0) -> Array:
-    """Lightness in ``levels`` bins of 0..100: the middle of the bin that it falls in (DESIGN 4.11).
+    """Lightness in ``levels`` bins of 0..100: the middle of the bin that it falls in.
 
     With D = 100 / levels and u = L* / D: Q = (max(1, ceil(u - 1e-3)) - 1/2) D. White is in bin ``levels``, zero and
     below in bin 1, and bins go on above white. With softness s, Q = (e - 1/2 + 3 t^2 - 2 t^3) D, where e = round(u) and

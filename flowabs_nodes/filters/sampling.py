@@ -1,7 +1,7 @@
 """Reading a picture at points: at the nearest pixel, or bilinearly.
 
 Points are offsets from the pixels of a block, in float64, so that how they round does not depend on where the pixel
-lies (DESIGN 4.6). They may lie anywhere: their coordinates are clamped to the picture, which repeats its border.
+lies. They may lie anywhere: their coordinates are clamped to the picture, which repeats its border.
 
 Pictures are :func:`records`, four floats a pixel whatever their number of channels: one 128-bit load fetches four
 floats as fast as one, and no faster way was found to read at scattered places than one load a pixel (gathers are

@@ -26,7 +26,7 @@ def threshold(response: npt.ArrayLike, tau: float = 0.5, contrast: float | None 
     contrast
         c in code values, at least 0; None is -atanh(tau - 1).
     softness
-        s in code values, at least 0: 0 is binary, else lines = smoothstep(-c - s, -c, H) (DESIGN 4.8).
+        s in code values, at least 0: 0 is binary, else lines = smoothstep(-c - s, -c, H).
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Following the flow (section 3.3, DESIGN 4.6): Euler steps of one pixel from the centre, z <- z + t(z), both ways.
+"""Following the flow (section 3.3): Euler steps of one pixel from the centre, z <- z + t(z), both ways.
 
 The tangent is read at the pixel nearest to z, and turned round when it disagrees with the last step: a flow has no
 sign. A zero tangent stops the walk, z stays where it is. Walks go on past the border, along the tangents of the

@@ -29,7 +29,7 @@ def across(image: Float64, t: Float64, f: Float64, dx: Float64 | float = 0, dy: 
 
 
 def fdog(code, flow, sigma_m=3.0, sigma_c=1.0, rho=0.99, color_weight=0.0, kernel="separable", sampling="bilinear"):
-    """Eqs. 10 and 11, or eq. 6, and the lines from colour of DESIGN 4.8."""
+    """Eqs. 10 and 11, or eq. 6, and lines from colour."""
     code, flow = np.asarray(code, np.float64), np.asarray(flow, np.float64)
     if code.ndim == 3:
         d = [fdog(code[..., k], flow, sigma_m, sigma_c, rho, 0, kernel, sampling) for k in range(3)]
@@ -53,7 +53,7 @@ def fdog(code, flow, sigma_m=3.0, sigma_c=1.0, rho=0.99, color_weight=0.0, kerne
 
 
 def threshold(response, tau=0.5, contrast=None, softness=0.0):
-    """Eq. 9 as printed; with a contrast or softness, DESIGN 4.8."""
+    """Eq. 9 as printed; with a contrast or softness, as docs/numbers.md says."""
     response = np.asarray(response, np.float64)
     if contrast is None and softness == 0:
         return np.where((response < 0) & (1 + np.tanh(response) < tau), 0.0, 1.0)

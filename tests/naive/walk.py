@@ -1,4 +1,4 @@
-"""Following the flow and its gradient axis (section 3.3, DESIGN 4.6), all pixels of a picture at once, in float64."""
+"""Following the flow and its gradient axis (section 3.3), all pixels of a picture at once, in float64."""
 
 from __future__ import annotations
 
