@@ -97,6 +97,7 @@ def test_a_key_with_a_slip_is_not_also_missing():
         ([], "wrong-type", ""),
         ({}, "bad-value", "/type"),
         ({"type": 1}, "wrong-type", "/type"),
+        ({"type": ""}, "unknown-type", "/type"),
         ({"type": "nothing_like_it@1"}, "unknown-type", "/type"),
         ({"type": "read"}, "unknown-type", "/type"),
         ({"type": "read@0"}, "unknown-type", "/type"),
