@@ -1,6 +1,6 @@
 """Hypothesis looks at the same examples each time, so that a green suite stays green; other ones are tried with
 
-    pytest --hypothesis-profile=default
+pytest --hypothesis-profile=default
 """
 
 from hypothesis import settings

@@ -70,7 +70,9 @@ def _read_nodes(
     for name, raw in shape.named(raw_nodes, place, "a node's name", problems).items():
         body = shape.fields(raw, (*place, name), shape.NODE, problems, required=("type",))
         written = body.get("type")
-        declarations[name] = upgrade_node(body, (*place, name), catalogue, problems, notes) if written is not None else None
+        declarations[name] = (
+            upgrade_node(body, (*place, name), catalogue, problems, notes) if written is not None else None
+        )
         if body.get("type") != written:
             raw.update(body)  # the document shows what was read
         bodies[name] = body
