@@ -1,6 +1,6 @@
-"""Hypothesis looks at the same examples each time, so that a green suite stays green; other ones are tried with
+"""Hypothesis looks at the same examples each time, so that a green suite stays green.
 
-pytest --hypothesis-profile=default
+Other examples are tried with ``pytest --hypothesis-profile=default``.
 """
 
 from hypothesis import settings

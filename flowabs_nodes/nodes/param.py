@@ -193,8 +193,8 @@ class Param:
     @cached_property
     def range_text(self) -> str:
         """The hard range in words: "from 0 to 1", "above 0 up to 100"; empty where there is none."""
-        low = "" if self.min is None else f"{'above' if self.above else 'from'} {self.min:g}"
-        high = "" if self.max is None else f"{'up to' if self.above or self.min is None else 'to'} {self.max:g}"
+        low = "" if self.min is None else f"{'above' if self.above else 'from'} {self.min:.10g}"
+        high = "" if self.max is None else f"{'up to' if self.above or self.min is None else 'to'} {self.max:.10g}"
         return " ".join(part for part in (low, high) if part)
 
 
