@@ -171,21 +171,26 @@ def test_metadata_and_origin_that_a_node_loses_are_put_back():
 # ---------------------------------------------------------------------- what may not be
 
 
+def a_flow():
+    return Image.from_array(np.ones((2, 2, 2)))
+
+
 @pytest.mark.parametrize(
     ("inputs", "params", "code", "words"),
     [
         ({}, {}, "missing-input", "'image' is not connected"),
-        ({"imag": picture()}, {}, "unknown-input", "did you mean 'image'"),
-        ({"image": Image.from_array(np.ones((2, 2, 2)))}, {}, "wrong-type", "takes color, not flow"),
-        ({"image": picture()}, {"amout": 1}, "unknown-param", "did you mean 'amount'"),
-        ({"image": picture()}, {"amount": "1"}, "wrong-type", "parameter amount"),
-        ({"image": picture()}, {"amount": 101}, "out-of-range", "from -100 to 100"),
-        ({"image": picture()}, {"mix": 1.5}, "out-of-range", "parameter mix"),
+        ({"imag": picture}, {}, "unknown-input", "did you mean 'image'"),
+        ({"image": a_flow}, {}, "wrong-type", "takes color, not flow"),
+        ({"image": picture}, {"amout": 1}, "unknown-param", "did you mean 'amount'"),
+        ({"image": picture}, {"amount": "1"}, "wrong-type", "parameter amount"),
+        ({"image": picture}, {"amount": 101}, "out-of-range", "from -100 to 100"),
+        ({"image": picture}, {"mix": 1.5}, "out-of-range", "parameter mix"),
     ],
 )
 def test_wrong_inputs_and_parameters(inputs, params, code, words):
+    images = {name: make() for name, make in inputs.items()}
     with pytest.raises(FlowabsError, match=words) as failure:
-        apply(ADD, Context(node="sum"), inputs, params)
+        apply(ADD, Context(node="sum"), images, params)
     assert (failure.value.code, failure.value.node) == (code, "sum")
 
 
