@@ -78,16 +78,28 @@ def test_scale_makes_given_pictures_smaller_and_lengths_follow():
     assert seen == {"length": 2.0, "size": (24, 32)}
 
 
+def a_flow():
+    return Image.from_array(np.ones((4, 4, 2)))
+
+
 @pytest.mark.parametrize(
     ("options", "error", "words"),
     [
         ({"outputs": ["brigth"]}, CommandError, "did you mean 'bright'"),
         ({"outputs": ["tones.mno"]}, CommandError, "did you mean 'mono'"),
         ({"outputs": ["out"]}, CommandError, "only writes"),
-        ({"given": {"plat": picture()}}, CommandError, "did you mean 'plate'"),
-        ({"given": {"plate": np.ones((4, 4, 3))}}, ArgumentError, "expected an Image, found ndarray.*from_array"),
-        ({"given": {"plate": Image.from_array(np.ones((4, 4, 2)))}}, ArgumentError, "expected color, found flow"),
-        ({"given": {"plate": picture(), "plate.image": picture()}}, ArgumentError, "given twice"),
+        ({"given": lambda: {"plat": picture()}}, CommandError, "did you mean 'plate'"),
+        (
+            {"given": lambda: {"plate": np.ones((4, 4, 3))}},
+            ArgumentError,
+            "expected an Image, found ndarray.*from_array",
+        ),
+        (
+            {"given": lambda: {"plate": Image.from_array(np.ones((4, 4, 2)))}},
+            ArgumentError,
+            "expected color, found flow",
+        ),
+        ({"given": lambda: {"plate": picture(), "plate.image": picture()}}, ArgumentError, "given twice"),
         ({"outputs": ["bright"]}, CommandError, "node 'plate' reads a file, but none is set"),
         ({"set": {"plate.file": "no/such.exr"}, "outputs": ["bright"]}, ReadError, "no such file"),
         ({"set": {"stop": 1}}, GraphError, "stops"),
@@ -96,7 +108,7 @@ def test_scale_makes_given_pictures_smaller_and_lengths_follow():
 )
 def test_what_cannot_be_done(graph, options, error, words):
     with pytest.raises(error, match=words):
-        graph.run(**options)
+        graph.run(**{name: value() if callable(value) else value for name, value in options.items()})
 
 
 def test_a_missing_frame_that_would_be_skipped_is_an_error_here(graph):
