@@ -1,0 +1,1 @@
+"""The paper's figures, made by graphs and checked by numbers."""

@@ -1,0 +1,113 @@
+"""Inputs that are drawn by code: points, a disc in noise, a fine texture, and damaged photographs.
+
+Drawings are code values, (H, W) float32, white 255; :func:`scene_linear` turns them into what a plate holds.
+Photographs are display-referred, (H, W, 3) uint8. The same arguments give the same bits.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import OpenImageIO as oiio
+
+from flowabs_nodes.color import lstar_inverse
+
+Array = npt.NDArray[np.float32]
+Bytes = npt.NDArray[np.uint8]
+
+SIZE = 200  # of a drawing, width and height
+CENTRE = (SIZE - 1) / 2
+RING = 60.0  # radius of the circle of dots, and of the disc
+SPACING = 13.5  # from dot to dot, about that of 28 dots on the circle
+TEXTURE_PERIOD = 7.0
+
+
+def dots(points: Iterable[tuple[float, float]], radius: float = 3.0, size: int = SIZE) -> Array:
+    """Black dots on white, anti-aliased, around the points (x, y)."""
+    y, x = np.mgrid[:size, :size]
+    cover = np.zeros((size, size))
+    for px, py in points:
+        cover = np.maximum(cover, np.clip(radius + 0.5 - np.hypot(x - px, y - py), 0, 1))
+    return np.asarray(255 * (1 - cover), np.float32)
+
+
+def dots_on_circle(count: int = 28, ring: float = RING) -> Array:
+    """Fig. 8a: isolated dots on a circle."""
+    angles = 2 * np.pi * np.arange(count) / count
+    return dots((CENTRE + ring * np.cos(a), CENTRE + ring * np.sin(a)) for a in angles)
+
+
+def dots_x(arm: int = 7, spacing: float = SPACING) -> Array:
+    """Fig. 8d: an X of 29 dots, one in the middle and seven on each diagonal arm."""
+    step = spacing / np.sqrt(2)
+    return dots(
+        [(CENTRE, CENTRE)]
+        + [
+            (CENTRE + sx * k * step, CENTRE + sy * k * step)
+            for k in range(1, arm + 1)
+            for sx in (-1, 1)
+            for sy in (-1, 1)
+        ]
+    )
+
+
+def dots_t(half_bar: int = 5, stem: int = 8, spacing: float = SPACING) -> Array:
+    """Fig. 8g: a T of 19 dots, a bar of eleven and a stem of eight."""
+    top = CENTRE - stem * spacing / 2
+    bar = [(CENTRE + k * spacing, top) for k in range(-half_bar, half_bar + 1)]
+    return dots(bar + [(CENTRE, top + k * spacing) for k in range(1, stem + 1)])
+
+
+def disc_in_noise(seed: int = 0, sigma: float = 40.0, disc: float = 90.0, ground: float = 160.0) -> Array:
+    """Fig. 9a: a dark disc under Gaussian noise, sigma in code values."""
+    y, x = np.mgrid[:SIZE, :SIZE]
+    cover = np.clip(RING + 0.5 - np.hypot(x - CENTRE, y - CENTRE), 0, 1)
+    clean = ground + (disc - ground) * cover
+    return (clean + sigma * np.random.default_rng(seed).standard_normal(clean.shape)).astype(np.float32)
+
+
+def disc_contour() -> npt.NDArray[np.bool_]:
+    """The true contour of :func:`disc_in_noise`: the pixels that the circle passes through."""
+    y, x = np.mgrid[:SIZE, :SIZE]
+    return np.asarray(np.abs(np.hypot(x - CENTRE, y - CENTRE) - RING) < 0.5)
+
+
+def small_texture(period: float = TEXTURE_PERIOD, radius: float = 1.8) -> Array:
+    """Fig. 10a: dots in a hexagonal lattice, closer together than a kernel is wide."""
+    row = period * np.sqrt(3) / 2
+    rows, columns = int(SIZE / row) + 2, int(SIZE / period) + 2
+    return dots((((i + j % 2 / 2) * period, j * row) for j in range(rows) for i in range(columns)), radius)
+
+
+def scene_linear(code: npt.ArrayLike) -> Array:
+    """The grey plate (H, W, 3) whose code values (L* x 2.55) are ``code``."""
+    grey = np.asarray(lstar_inverse(np.asarray(code, np.float32) / np.float32(2.55)), np.float32)
+    return np.stack([grey, grey, grey], axis=2)
+
+
+def noisy(photo: Bytes, sigma: float = 20.0, seed: int = 0) -> Bytes:
+    """A photograph under Gaussian noise, sigma in 8-bit display values, rounded and clipped as a camera would."""
+    noise = sigma * np.random.default_rng(seed).standard_normal(photo.shape)
+    return np.clip(np.rint(photo + noise), 0, 255).astype(np.uint8)
+
+
+def jpeg_damaged(photo: Bytes, quality: int = 10) -> Bytes:
+    """A photograph (H, W, 3) as JPEG of this quality, 1 to 100, gives it back."""
+    height, width, channels = photo.shape
+    with tempfile.TemporaryDirectory() as folder:
+        path = str(Path(folder) / "photo.jpg")
+        spec = oiio.ImageSpec(width, height, channels, "uint8")
+        spec.attribute("Compression", f"jpeg:{quality}")
+        output = oiio.ImageOutput.create(path)
+        if not (output and output.open(path, spec) and output.write_image(photo) and output.close()):
+            raise OSError(f"{path}: {oiio.geterror()}")
+        file = oiio.ImageInput.open(path)
+        if file is None:
+            raise OSError(f"{path}: {oiio.geterror()}")
+        damaged = np.asarray(file.read_image("uint8"))
+        file.close()
+    return damaged

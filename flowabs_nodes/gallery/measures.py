@@ -1,0 +1,70 @@
+"""What the paper claims in words, as numbers: connected lines, found contours, coherence.
+
+Lines are (H, W), 1 paper and 0 ink; below one half is ink.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy import ndimage  # type: ignore[import-untyped]
+
+_EIGHT = np.ones((3, 3), int)  # ink that touches at a corner is one line; paper is not one side of it then
+
+
+class Ink(NamedTuple):
+    """The connected pieces of a drawing."""
+
+    pieces: int
+    mean_size: float  # pixels; 0 without ink
+    largest: int
+
+
+class Found(NamedTuple):
+    """How well ink meets a contour."""
+
+    f_score: float  # harmonic mean of the two
+    precision: float  # of the ink, how much lies at the contour
+    recall: float  # of the contour, how much lies at ink
+
+
+def is_ink(lines: npt.ArrayLike) -> npt.NDArray[np.bool_]:
+    """Where a drawing has ink."""
+    return np.asarray(lines) < 0.5
+
+
+def ink_components(lines: npt.ArrayLike) -> Ink:
+    """Pieces of ink, 8-connected: fewer and larger ones are a more coherent drawing."""
+    labels, count = ndimage.label(is_ink(lines), _EIGHT)
+    sizes = np.bincount(labels.ravel())[1:]
+    return Ink(int(count), float(sizes.mean()) if count else 0.0, int(sizes.max()) if count else 0)
+
+
+def is_closed_ring(lines: npt.ArrayLike, centre: tuple[float, float], radius: float, tolerance: float = 3.0) -> bool:
+    """Whether ink is one piece, each pixel within ``tolerance`` of a circle about (x, y), and shuts the centre in."""
+    ink = is_ink(lines)
+    y, x = np.mgrid[: ink.shape[0], : ink.shape[1]]
+    off = np.abs(np.hypot(x - centre[0], y - centre[1]) - radius)
+    sides, _ = ndimage.label(~ink)  # 4-connected: a diagonal step of ink is shut
+    inside = sides[round(centre[1]), round(centre[0])]
+    shut = bool(inside != 0 and inside != sides[0, 0])
+    return ink_components(lines).pieces == 1 and bool((off[ink] <= tolerance).all()) and shut
+
+
+def f_score(lines: npt.ArrayLike, contour: npt.ArrayLike, tolerance: float = 2.5) -> Found:
+    """Ink against the pixels of a true contour, each counting as met within ``tolerance`` pixels."""
+    ink, true = is_ink(lines), np.asarray(contour, bool)
+    if not ink.any() or not true.any():
+        return Found(0.0, 0.0, 0.0)
+    precision = float((_distance(true)[ink] <= tolerance).mean())
+    recall = float((_distance(ink)[true] <= tolerance).mean())
+    total = precision + recall
+    return Found(2 * precision * recall / total if total else 0.0, precision, recall)
+
+
+def _distance(places: npt.NDArray[np.bool_]) -> npt.NDArray[Any]:
+    """To the nearest of them, in pixels."""
+    distance: npt.NDArray[Any] = ndimage.distance_transform_edt(~places)
+    return distance
