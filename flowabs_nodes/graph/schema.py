@@ -159,6 +159,8 @@ def _param(param: Param) -> Schema:
         result["x-soft-min"], result["x-soft-max"] = param.soft
     if param.scales:
         result["x-scales"] = param.scales
+    if "examples" in param.schema:
+        result["examples"] = param.schema["examples"]
     return {**result, "anyOf": forms}
 
 

@@ -6,6 +6,7 @@ from flowabs_nodes.nodes.composite import COMPOSITE
 from flowabs_nodes.nodes.declare import Node
 from flowabs_nodes.nodes.flow import ETF, FLOW_BLUR, FLOW_COLOR, LIC
 from flowabs_nodes.nodes.lines import DOG, FDOG, FDOG_ITERATIVE
+from flowabs_nodes.nodes.matte import MATTE
 from flowabs_nodes.nodes.read import READ, READ_AOV
 from flowabs_nodes.nodes.smooth import BLUR, FBL
 from flowabs_nodes.nodes.tone import EXPOSURE, QUANTIZE
@@ -15,6 +16,7 @@ NODES: tuple[Node, ...] = (
     READ,
     READ_AOV,
     WRITE,
+    MATTE,
     EXPOSURE,
     ETF,
     LIC,

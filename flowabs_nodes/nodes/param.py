@@ -87,9 +87,9 @@ class Param:
         return Param(name, "enum", default, help, choices=choices, in_key=in_key)
 
     @staticmethod
-    def string(name: str, default: str, *, help: str) -> Param:
-        """Free text."""
-        return Param(name, "string", default, help)
+    def string(name: str, default: str, *, examples: tuple[str, ...] = (), help: str) -> Param:
+        """Free text; ``examples`` of it are for editors, and for tests."""
+        return Param(name, "string", default, help, schema={"examples": list(examples)} if examples else {})
 
     @staticmethod
     def color(name: str, default: tuple[Number, Number, Number], *, help: str) -> Param:

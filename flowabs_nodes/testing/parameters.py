@@ -83,7 +83,7 @@ def alternatives(param: Param) -> Iterator[Any]:
         case "color":
             guesses += [(1.0, 0.5, 0.25), (0.0, 0.0, 1.0)]
         case "string" | "file":
-            guesses += ["other", ""]
+            guesses += [*param.schema.get("examples", ()), "other", ""]
         case "custom":
             schema = param.schema
             guesses += [*schema.get("examples", ()), *schema.get("enum", ())]

@@ -1,0 +1,57 @@
+"""The node that makes a matte of any channel: for masks."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flowabs_nodes import color
+from flowabs_nodes.errors import ArgumentError, nearest
+from flowabs_nodes.image import Array, Image
+from flowabs_nodes.nodes.declare import Context, Node, Param, Port
+
+LUMINANCE = "luminance"
+
+
+def _channel(context: Context, image: Image, name: str) -> Array:
+    """The channel ``name``; by default the alpha of a color image, else its luminance, else the first."""
+    if name == "":
+        name = "A" if "A" in image.channels else LUMINANCE if image.type == "color" else image.channels[0]
+        if image.type == "data" and len(image.channels) > 1:
+            context.note(f"the first of {', '.join(image.channels)} is taken: name one (channel)")
+    if name == LUMINANCE and image.type == "color":
+        return color.luminance(np.ascontiguousarray(image.pixels[..., :3]), image.colorspace)
+    if name not in image.channels:
+        known = (*image.channels, LUMINANCE) if image.type == "color" else image.channels
+        raise ArgumentError(f"the image has no channel {name!r}", hint=nearest(name, known), parameter="channel")
+    return image.pixels[..., image.channels.index(name)]
+
+
+def run_matte(context: Context, image: Image, *, channel: str, low: float, high: float) -> Image:
+    values = _channel(context, image, channel)
+    if low == high:
+        return image.with_pixels((values >= low).astype(np.float32), "matte")
+    return image.with_pixels(np.clip((values - np.float32(low)) / np.float32(high - low), 0, 1), "matte")
+
+
+MATTE = Node(
+    type="matte",
+    version=1,
+    help="Makes a matte of one channel: alpha, luminance, depth, or any other.",
+    doc=(
+        "What a roto shape, a render's alpha or a depth pass needs to serve as the mask of another node. low becomes 0 "
+        "and high becomes 1, with a ramp between; low above high turns it inside out."
+    ),
+    inputs=(Port("image", "color|mono|matte|data", "What to take the channel from."),),
+    outputs=(Port("matte", "matte", "The channel, 0 to 1."),),
+    params=(
+        Param.string(
+            "channel",
+            "",
+            examples=("A", "R", LUMINANCE, "Z"),
+            help='Name of the channel, or "luminance"; "" is the alpha of a picture that has one, else its luminance.',
+        ),
+        Param.float("low", 0.0, min=-1e30, max=1e30, soft=(0, 1), help="Value that becomes 0."),
+        Param.float("high", 1.0, min=-1e30, max=1e30, soft=(0, 1), help="Value that becomes 1."),
+    ),
+    run=run_matte,
+)
