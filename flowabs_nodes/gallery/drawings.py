@@ -67,7 +67,7 @@ def disc_in_noise(seed: int = 0, sigma: float = 40.0, disc: float = 90.0, ground
     y, x = np.mgrid[:SIZE, :SIZE]
     cover = np.clip(RING + 0.5 - np.hypot(x - CENTRE, y - CENTRE), 0, 1)
     clean = ground + (disc - ground) * cover
-    return (clean + sigma * np.random.default_rng(seed).standard_normal(clean.shape)).astype(np.float32)
+    return np.asarray(clean + sigma * np.random.default_rng(seed).standard_normal(clean.shape), np.float32)
 
 
 def disc_contour() -> npt.NDArray[np.bool_]:
@@ -85,8 +85,10 @@ def small_texture(period: float = TEXTURE_PERIOD, radius: float = 1.8) -> Array:
 
 def scene_linear(code: npt.ArrayLike) -> Array:
     """The grey plate (H, W, 3) whose code values (L* x 2.55) are ``code``."""
-    grey = np.asarray(lstar_inverse(np.asarray(code, np.float32) / np.float32(2.55)), np.float32)
-    return np.stack([grey, grey, grey], axis=2)
+    lstar = np.asarray(code, np.float32) / np.float32(2.55)
+    grey = np.asarray(lstar_inverse(lstar), np.float32)
+    plate: Array = np.repeat(grey[:, :, np.newaxis], 3, axis=2)
+    return plate
 
 
 def noisy(photo: Bytes, sigma: float = 20.0, seed: int = 0) -> Bytes:
