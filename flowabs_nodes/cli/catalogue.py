@@ -45,6 +45,7 @@ def schema() -> None:
 def graphs() -> None:
     """The graphs that come with flowabs, and the knobs of each (set one with --set knob=value)."""
     from flowabs_nodes import graph as graphs
+    from flowabs_nodes.graph.shipped import paper
 
     for name, path in graphs.shipped().items():
         graph = graphs.load(path)
@@ -53,6 +54,10 @@ def graphs() -> None:
         for knob in graph.interface.values():
             click.echo(f"    {knob.name:14} {_range(knob):24} {knob.help}")
         click.echo()
+    click.echo("The paper's figures, with the paper's values:")
+    for name, path in paper().items():
+        said = json.loads(path.read_text(encoding="utf-8"))["description"]
+        click.echo(textwrap.fill(said, 110, initial_indent=f"  {name:9} ", subsequent_indent=" " * 12))
 
 
 def _range(knob: Knob) -> str:

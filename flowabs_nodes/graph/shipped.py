@@ -24,11 +24,16 @@ def shipped() -> dict[str, Path]:
     return {path.stem: path for path in sorted(folder().glob("*.json"))}
 
 
+def paper() -> dict[str, Path]:
+    """The graphs of the paper's figures (``graphs/paper``), by name."""
+    return {path.stem: path for path in sorted((folder() / "paper").glob("*.json"))}
+
+
 def resolve(name: str) -> Path:
-    """The file of a GRAPH: a path if it has a "/" or ends in ".json", else the shipped graph of that name."""
+    """The file of a GRAPH: a path if it has a "/" or ends in ".json", else the graph of that name that comes along."""
     if "/" in name or "\\" in name or name.endswith(".json"):
         return Path(name)
-    known = shipped()
+    known = shipped() | paper()
     if name not in known:
         hint = nearest(name, known)
         if Path(name).is_file():

@@ -1,0 +1,448 @@
+"""The figures: which graph, on which pictures, which outputs side by side, what the paper claims and what there is to see.
+
+Parameters in captions come from the graph as it ran; numbers are measured on the very pictures shown.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from flowabs_nodes.gallery import drawings, inputs, measures
+from flowabs_nodes.gallery.sheet import display
+from flowabs_nodes.image import Image
+
+Results = Mapping[str, Image]
+Measure = Callable[[Results, str], Mapping[str, str]]
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One output of the graph, its title, and the parameters ("node.name") that its caption tells."""
+
+    output: str
+    title: str
+    values: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Row:
+    """Panels of one picture; of a region (x, y, width, height) of it, each pixel ``zoom`` wide, where ``box`` is given."""
+
+    picture: str
+    panels: tuple[Panel, ...]
+    box: tuple[int, int, int, int] | None = None
+    zoom: int = 1
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A sheet: ``claim`` is what the paper says, ``see`` what this one shows."""
+
+    name: str
+    graph: str
+    title: str
+    rows: tuple[Row, ...]
+    claim: str
+    see: str
+    width: int = 300  # of a panel, at most
+    columns: int = 4
+    measure: Measure | None = None
+
+
+# ---------------------------------------------------------------------------------------------- measured words
+
+
+def pieces(*outputs: str) -> Measure:
+    """How many pieces of ink each drawing has, and how large they are."""
+
+    def measure(results: Results, picture: str) -> Mapping[str, str]:
+        found = {output: measures.ink_components(results[output].pixels[..., 0]) for output in outputs}
+        return {name: f"{ink.pieces} pieces of {ink.mean_size:.0f} px" for name, ink in found.items()}
+
+    return measure
+
+
+def contour(*outputs: str) -> Measure:
+    """F-score of each drawing against the true contour of the disc."""
+
+    def measure(results: Results, picture: str) -> Mapping[str, str]:
+        true = drawings.disc_contour()
+        score = {output: measures.f_score(results[output].pixels[..., 0], true).f_score for output in outputs}
+        return {name: f"F-score {value:.2f}" for name, value in score.items()}
+
+    return measure
+
+
+def distance(results: Results, picture: str) -> Mapping[str, str]:
+    """Mean colour distance of Fig. 5's two pictures, components 0 to 1."""
+    apart = np.linalg.norm(results["full"].pixels - results["separable"].pixels, axis=2)
+    return {"separable": f"mean colour distance {apart.mean():.3f}"}
+
+
+def noise_ratio(*outputs: str) -> Measure:
+    """PSNR of each picture against the photograph before it was damaged, in 8-bit display values."""
+
+    def measure(results: Results, picture: str) -> Mapping[str, str]:
+        true = inputs.clean(picture).astype(np.float64)
+        errors = {output: np.mean((display(results[output]) - true) ** 2) for output in outputs}
+        return {name: f"{10 * np.log10(255**2 / error):.1f} dB" for name, error in errors.items()}
+
+    return measure
+
+
+# ---------------------------------------------------------------------------------------------- the figures
+
+INPUT = Panel("plate", "Input")
+_DOG = ("sigma_c", "rho", "tau")
+_FDOG = ("sigma_m", *_DOG)
+_ITERATIVE = ("iterations", *_FDOG)
+_ETF = ("radius", "iterations")
+_FBL = ("sigma_e", "r_e", "sigma_g", "r_g", "iterations")
+_BILATERAL = ("sigma_d", "sigma_r", "iterations")
+
+
+def of(node: str, *names: str) -> tuple[str, ...]:
+    """Parameters of a node, as a caption names them."""
+    return tuple(f"{node}.{name}" for name in names)
+
+
+_COMBINED = (
+    INPUT,
+    Panel("lines", "Line extraction", of("lines", *_ITERATIVE)),
+    Panel("flat", "Region flattening", of("smooth", *_FBL) + of("flat", "levels")),
+    Panel("comp", "Combined"),
+)
+_FIRST_THIRD = (
+    INPUT,
+    Panel("dog", "Isotropic DoG", of("dog", *_DOG)),
+    Panel("first", "FDoG: first iteration", of("first", *_FDOG)),
+    Panel("third", "FDoG: third iteration"),
+)
+_DOTS = (
+    INPUT,
+    Panel("dog", "DoG", of("dog", *_DOG)),
+    Panel("lic", "ETF", of("flow", *_ETF, "pre_blur")),
+    Panel("fdog", "FDoG", of("fdog", *_FDOG)),
+)
+_TEXTURE = (
+    INPUT,
+    Panel("mu_3", "μ = 3".replace("μ", "radius"), of("flow_3", "radius", "iterations")),
+    Panel("mu_5", "radius = 5", of("flow_5", "radius", "iterations")),
+)
+_BIL = Panel("bilateral", "Bilateral filter", of("bilateral", *_BILATERAL))
+_FLOW = Panel("lic", "ETF", of("flow", *_ETF))
+_FLOW_BIL = Panel("fbl", "FBL", of("fbl", *_FBL))
+_STYLES = (
+    INPUT,
+    Panel("mean_shift", "Mean shift", of("mean_shift", "spatial", "range", "min_region")),
+    Panel("bilateral_flat", "Bilateral + quantization", of("bilateral", *_BILATERAL) + of("bilateral_flat", "levels")),
+    Panel("fbl_flat", "FBL + quantization", of("fbl", *_FBL) + of("fbl_flat", "levels")),
+)
+
+FIGURES: tuple[Figure, ...] = (
+    Figure(
+        "fig01",
+        "fig01",
+        "Fig. 1: image abstraction",
+        (Row("astronaut.jpg", _COMBINED), Row("astronaut.jpg", _COMBINED, (200, 10, 236, 236))),
+        "Line extraction conveys the shapes, region flattening removes insignificant detail, and both together give a cartoon.",
+        "",
+        width=460,
+        columns=2,
+    ),
+    Figure(
+        "fig03",
+        "fig03",
+        "Fig. 3: ETF construction",
+        tuple(Row(name, (INPUT, _FLOW)) for name in ("chelsea.png", "raccoon.jpg", "columns.jpg")),
+        "The flow preserves edge directions around important features and is smooth elsewhere.",
+        "",
+        width=440,
+        columns=2,
+    ),
+    Figure(
+        "fig04",
+        "fig04",
+        "Fig. 4: iterative ETF construction",
+        (
+            Row(
+                "chelsea.png",
+                (
+                    INPUT,
+                    Panel("first", "First iteration", of("flow_1", *_ETF)),
+                    Panel("second", "Second iteration", of("flow_2", *_ETF)),
+                    Panel("third", "Third iteration", of("flow_3", *_ETF)),
+                ),
+            ),
+        ),
+        "The flow gets smoother after each iteration; two or three do.",
+        "",
+        width=460,
+        columns=2,
+    ),
+    Figure(
+        "fig05",
+        "fig05",
+        "Fig. 5: separable ETF construction",
+        tuple(
+            Row(
+                name,
+                (
+                    INPUT,
+                    Panel("full", "Full kernel", of("flow_full", *_ETF)),
+                    Panel("separable", "Separable kernel", of("flow_separable", *_ETF)),
+                ),
+            )
+            for name in ("coffee.exr", "chelsea.png")
+        ),
+        "A pass along x and one along y give nearly the same flow: the mean colour distance is 0.00893 on the paper's picture.",
+        "",
+        width=330,
+        columns=3,
+        measure=distance,
+    ),
+    Figure(
+        "fig07",
+        "fig07",
+        "Fig. 7: FDoG and its parameters",
+        (
+            Row(
+                "chelsea.png",
+                (
+                    INPUT,
+                    Panel("dog", "Isotropic DoG", of("dog", *_DOG)),
+                    Panel("fdog", "FDoG: sigma_m = 3.0", of("fdog", *_FDOG)),
+                    Panel("sigma_m_1", "FDoG: sigma_m = 1.0", of("sigma_m_1", *_FDOG)),
+                    Panel("sigma_c_2", "FDoG: sigma_c = 2.0", of("sigma_c_2", *_FDOG)),
+                    Panel("rho_997", "FDoG: rho = 0.997", of("rho_997", *_FDOG)),
+                ),
+            ),
+        ),
+        "FDoG is more coherent than the isotropic DoG. sigma_m sets the coherence, sigma_c the width of a line; a higher rho draws "
+        "more lines.",
+        "",
+        width=330,
+        columns=3,
+        measure=pieces("dog", "fdog", "sigma_m_1", "sigma_c_2", "rho_997"),
+    ),
+    Figure(
+        "fig08",
+        "fig08",
+        "Fig. 8: lines from isolated points",
+        tuple(Row(name, _DOTS) for name in ("circle", "x", "t")),
+        "With the flow of a blurred picture and a large kernel, FDoG joins disconnected points into the line that people see; "
+        "junctions and crossings too.",
+        "",
+        width=230,
+        measure=pieces("dog", "fdog"),
+    ),
+    Figure(
+        "fig09",
+        "fig09",
+        "Fig. 9: noise",
+        (
+            Row(
+                "disc",
+                (
+                    INPUT,
+                    Panel("dog_low", "DoG, tau = 0.2", of("dog_low", *_DOG)),
+                    Panel("dog_high", "DoG, tau = 0.7", of("dog_high", *_DOG)),
+                    Panel("lic", "ETF", of("flow", *_ETF, "pre_blur")),
+                    Panel("fdog", "FDoG, tau = 0.2", of("fdog", *_FDOG)),
+                ),
+            ),
+        ),
+        "On a shape in Gaussian noise, isotropic DoG is incoherent at a low threshold and full of clutter at a high one; FDoG draws "
+        "a clean, coherent line at the low one.",
+        "",
+        width=200,
+        columns=5,
+        measure=contour("dog_low", "dog_high", "fdog"),
+    ),
+    Figure(
+        "fig10",
+        "fig10",
+        "Fig. 10: small-scale texture",
+        (Row("texture", _TEXTURE), Row("grass.png", _TEXTURE)),
+        "A flow whose kernel is larger than the texture misses its shapes, and the lines fail with it; a small kernel draws them.",
+        "",
+        width=300,
+        columns=3,
+    ),
+    Figure(
+        "fig11_13",
+        "fig11_13",
+        "Figs. 11 to 13: iterative FDoG",
+        tuple(Row(name, _FIRST_THIRD) for name in ("astronaut.jpg", "columns.jpg", "chelsea.png")),
+        "Each further application, with the ink so far laid over the picture, makes the boundaries more coherent. Isotropic DoG "
+        "conveys more of the tone; and noise that the first pass draws is kept by the later ones.",
+        "",
+        width=270,
+        measure=pieces("dog", "first", "third"),
+    ),
+    Figure(
+        "fig14",
+        "fig14",
+        "Fig. 14: line extraction compared",
+        (
+            Row(
+                "coffee.exr",
+                (
+                    INPUT,
+                    Panel("canny", "Canny", of("canny", "sigma", "low", "high")),
+                    Panel("borders", "Mean shift", of("segments", "spatial", "range", "min_region")),
+                    Panel("dog", "Isotropic DoG", of("dog", *_DOG)),
+                    Panel("fdog", "FDoG", of("fdog", *_ITERATIVE)),
+                ),
+            ),
+        ),
+        "FDoG captures perceptually meaningful structures and draws them with smooth, coherent lines.",
+        "",
+        width=330,
+        columns=3,
+    ),
+    Figure(
+        "fig16",
+        "fig16",
+        "Fig. 16: boundary restoration",
+        (
+            Row("noisy", (INPUT, _BIL, _FLOW_BIL)),
+            Row("noisy", (INPUT, _BIL, _FLOW_BIL), (150, 0, 80, 80), 4),
+        ),
+        "On a noisy picture, FBL restores the boundary of a shape better than the full-kernel bilateral filter, which leaves noise "
+        "along it.",
+        "",
+        width=320,
+        columns=3,
+        measure=noise_ratio("plate", "bilateral", "fbl"),
+    ),
+    Figure(
+        "fig17",
+        "fig17",
+        "Fig. 17: shape enhancement",
+        (
+            Row("blocky", (INPUT, _FLOW, _BIL, _FLOW_BIL)),
+            Row("blocky", (INPUT, _BIL, _FLOW_BIL), (60, 20, 100, 75), 3),
+            Row("blocky", (INPUT, _BIL, _FLOW_BIL), (250, 150, 100, 75), 3),
+        ),
+        "On a heavily compressed picture, the bilateral filter keeps the blocks; FBL restores clean and smooth boundaries.",
+        "",
+        width=400,
+        columns=2,
+        measure=noise_ratio("plate", "bilateral", "fbl"),
+    ),
+    Figure(
+        "fig18",
+        "fig18",
+        "Fig. 18: feature-enhancing stylization",
+        (
+            Row(
+                "chelsea.png",
+                (
+                    INPUT,
+                    _FLOW,
+                    _BIL,
+                    _FLOW_BIL,
+                    Panel("bilateral_flat", "Bilateral filter (flattened)", of("bilateral_flat", "levels")),
+                    Panel("fbl_flat", "FBL (flattened)", of("fbl_flat", "levels")),
+                ),
+            ),
+            Row("chelsea.png", (_BIL, _FLOW_BIL), (130, 10, 110, 80), 4),
+        ),
+        "FBL reinforces the shapes of single hairs, which the bilateral filter blurs away; flattened, the pattern stays sharp.",
+        "",
+        width=451,
+        columns=2,
+    ),
+    Figure(
+        "fig19",
+        "fig19",
+        "Fig. 19: texture stylization",
+        (
+            Row(
+                "grass.png",
+                (
+                    INPUT,
+                    Panel("bilateral_flat", "Bilateral", of("bilateral", *_BILATERAL) + of("bilateral_flat", "levels")),
+                    Panel("xy_flat", "Separable bilateral", of("xy", *_BILATERAL) + of("xy_flat", "levels")),
+                    Panel("fbl_flat", "FBL", of("fbl", *_FBL) + of("fbl_flat", "levels")),
+                ),
+            ),
+        ),
+        "On small isotropic texture the full-kernel bilateral filter stays closest to the original; FBL makes boundaries smoother, "
+        "and has none of the axis-aligned artefacts of the xy-separable one.",
+        "",
+        width=420,
+        columns=2,
+    ),
+    Figure(
+        "fig20",
+        "fig20",
+        "Fig. 20: kernel shapes",
+        (
+            Row(
+                "chelsea.png",
+                (
+                    INPUT,
+                    Panel("circle", "Full kernel: circle", of("circle", *_BILATERAL)),
+                    Panel("xy", "xy-separable: axis-aligned line", of("xy", *_BILATERAL)),
+                    Panel("line", "Anisotropic: oriented line", of("line", *_FBL)),
+                    Panel("arc", "Structure-adaptive: oriented arc", of("arc", *_FBL)),
+                    Panel("curve", "FBL: free-form curve", of("curve", *_FBL)),
+                ),
+                (130, 10, 110, 80),
+                3,
+            ),
+        ),
+        "The more a kernel can follow the picture, the better shapes are protected and enhanced.",
+        "",
+        width=330,
+        columns=3,
+    ),
+    Figure(
+        "fig21",
+        "fig21",
+        "Fig. 21: stylization compared",
+        (Row("coffee.exr", _STYLES), Row("chelsea.png", _STYLES)),
+        "Mean-shift regions have rough boundaries; the bilateral filter's are smoother but lose some directional features; FBL has "
+        "smooth boundaries and keeps the features' directions.",
+        "",
+        width=440,
+        columns=2,
+    ),
+    Figure(
+        "fig24",
+        "fig24",
+        "Fig. 24: results",
+        tuple(
+            Row(name, (INPUT, panel))
+            for name, panel in (
+                ("chelsea.png", Panel("comp", "Cat")),
+                ("columns.jpg", Panel("lines", "Arcade, lines alone")),
+                ("coffee.exr", Panel("comp", "Coffee")),
+                ("bridge.jpg", Panel("flat", "Bridge, colour alone")),
+                ("astronaut.jpg", Panel("comp", "Astronaut")),
+            )
+        ),
+        "Lines and flattened colour together convey shape and tone; for some pictures lines alone, or colour alone, do better.",
+        "",
+        width=440,
+        columns=2,
+    ),
+    Figure(
+        "fig25",
+        "fig25",
+        "Fig. 25: a large picture",
+        (
+            Row("raccoon.jpg", (INPUT, Panel("comp", "Abstraction"))),
+            Row("raccoon.jpg", (INPUT, Panel("comp", "Abstraction")), (430, 60, 460, 320)),
+        ),
+        "The same values do on a large photograph.",
+        "",
+        width=460,
+        columns=2,
+    ),
+)
