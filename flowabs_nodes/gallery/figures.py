@@ -35,6 +35,7 @@ class Row:
     panels: tuple[Panel, ...]
     box: tuple[int, int, int, int] | None = None
     zoom: int = 1
+    columns: int | None = None  # the figure's, unless given
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,7 @@ def pieces(*outputs: str) -> Measure:
 
     def measure(results: Results, picture: str) -> Mapping[str, str]:
         found = {output: measures.ink_components(results[output].pixels[..., 0]) for output in outputs}
-        return {name: f"{ink.pieces} pieces of {ink.mean_size:.0f} px" for name, ink in found.items()}
+        return {name: f"{ink.pieces} piece{'s' * (ink.pieces > 1)} of {ink.mean_size:.0f} px" for name, ink in found.items()}
 
     return measure
 
@@ -129,8 +130,8 @@ _DOTS = (
 )
 _TEXTURE = (
     INPUT,
-    Panel("mu_3", "μ = 3".replace("μ", "radius"), of("flow_3", "radius", "iterations")),
-    Panel("mu_5", "radius = 5", of("flow_5", "radius", "iterations")),
+    Panel("mu_3", "FDoG: radius = {flow_3.radius}", of("flow_3", "iterations")),
+    Panel("mu_5", "FDoG: radius = {flow_5.radius}", of("flow_5", "iterations")),
 )
 _BIL = Panel("bilateral", "Bilateral filter", of("bilateral", *_BILATERAL))
 _FLOW = Panel("lic", "ETF", of("flow", *_ETF))
@@ -147,7 +148,7 @@ FIGURES: tuple[Figure, ...] = (
         "fig01",
         "fig01",
         "Fig. 1: image abstraction",
-        (Row("astronaut.jpg", _COMBINED), Row("astronaut.jpg", _COMBINED, (200, 10, 236, 236))),
+        (Row("astronaut.jpg", _COMBINED), Row("astronaut.jpg", _COMBINED, (140, 20, 220, 220), columns=4)),
         "Line extraction conveys the shapes, region flattening removes insignificant detail, and both together give a cartoon.",
         "",
         width=460,
@@ -157,7 +158,11 @@ FIGURES: tuple[Figure, ...] = (
         "fig03",
         "fig03",
         "Fig. 3: ETF construction",
-        tuple(Row(name, (INPUT, _FLOW)) for name in ("chelsea.png", "raccoon.jpg", "columns.jpg")),
+        (
+            Row("chelsea.png", (INPUT, _FLOW)),
+            Row("raccoon.jpg", (INPUT, _FLOW), (470, 70, 440, 330)),
+            Row("columns.jpg", (INPUT, _FLOW)),
+        ),
         "The flow preserves edge directions around important features and is smooth elsewhere.",
         "",
         width=440,
@@ -214,10 +219,10 @@ FIGURES: tuple[Figure, ...] = (
                 (
                     INPUT,
                     Panel("dog", "Isotropic DoG", of("dog", *_DOG)),
-                    Panel("fdog", "FDoG: sigma_m = 3.0", of("fdog", *_FDOG)),
-                    Panel("sigma_m_1", "FDoG: sigma_m = 1.0", of("sigma_m_1", *_FDOG)),
-                    Panel("sigma_c_2", "FDoG: sigma_c = 2.0", of("sigma_c_2", *_FDOG)),
-                    Panel("rho_997", "FDoG: rho = 0.997", of("rho_997", *_FDOG)),
+                    Panel("fdog", "FDoG: sigma_m = {fdog.sigma_m}", of("fdog", *_FDOG)),
+                    Panel("sigma_m_1", "FDoG: sigma_m = {sigma_m_1.sigma_m}", of("sigma_m_1", *_FDOG)),
+                    Panel("sigma_c_2", "FDoG: sigma_c = {sigma_c_2.sigma_c}", of("sigma_c_2", *_FDOG)),
+                    Panel("rho_997", "FDoG: rho = {rho_997.rho}", of("rho_997", *_FDOG)),
                 ),
             ),
         ),
@@ -248,10 +253,11 @@ FIGURES: tuple[Figure, ...] = (
                 "disc",
                 (
                     INPUT,
-                    Panel("dog_low", "DoG, tau = 0.2", of("dog_low", *_DOG)),
-                    Panel("dog_high", "DoG, tau = 0.7", of("dog_high", *_DOG)),
+                    Panel("dog_low", "DoG, tau = {dog_low.tau}", of("dog_low", *_DOG)),
+                    Panel("dog_high", "DoG, tau = {dog_high.tau}", of("dog_high", *_DOG)),
+                    Panel("dog_best", "DoG at its best", of("dog_best", *_DOG)),
                     Panel("lic", "ETF", of("flow", *_ETF, "pre_blur")),
-                    Panel("fdog", "FDoG, tau = 0.2", of("fdog", *_FDOG)),
+                    Panel("fdog", "FDoG, tau = {fdog.tau}", of("fdog", *_FDOG)),
                 ),
             ),
         ),
@@ -259,8 +265,8 @@ FIGURES: tuple[Figure, ...] = (
         "a clean, coherent line at the low one.",
         "",
         width=200,
-        columns=5,
-        measure=contour("dog_low", "dog_high", "fdog"),
+        columns=3,
+        measure=contour("dog_low", "dog_high", "dog_best", "fdog"),
     ),
     Figure(
         "fig10",
@@ -325,8 +331,8 @@ FIGURES: tuple[Figure, ...] = (
         "Fig. 17: shape enhancement",
         (
             Row("blocky", (INPUT, _FLOW, _BIL, _FLOW_BIL)),
-            Row("blocky", (INPUT, _BIL, _FLOW_BIL), (60, 20, 100, 75), 3),
-            Row("blocky", (INPUT, _BIL, _FLOW_BIL), (250, 150, 100, 75), 3),
+            Row("blocky", (INPUT, _BIL, _FLOW_BIL), (60, 20, 100, 75), 3, columns=3),
+            Row("blocky", (INPUT, _BIL, _FLOW_BIL), (250, 150, 100, 75), 3, columns=3),
         ),
         "On a heavily compressed picture, the bilateral filter keeps the blocks; FBL restores clean and smooth boundaries.",
         "",

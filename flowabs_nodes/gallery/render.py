@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from flowabs_nodes.engine import load_graph
 from flowabs_nodes.gallery import inputs
-from flowabs_nodes.gallery.figures import Figure, Panel, Row
+from flowabs_nodes.gallery.figures import Figure
 from flowabs_nodes.gallery.sheet import Tile, display, enlarged, fitted, save, sheet
 from flowabs_nodes.graph.shipped import paper
 from flowabs_nodes.image import Image
@@ -47,9 +48,11 @@ def render(figure: Figure, folder: Path) -> Rendered:
             words = "; ".join(part for part in (words, found) if part)
             pixels = display(results[row.picture][panel.output])
             shown = enlarged(pixels, row.box, row.zoom) if row.box else fitted(pixels, figure.width)
+            title = re.sub(r"\{([\w.]+)\}", lambda found: _plain(_value(values, found[1])), panel.title)
             closer = ", enlarged" if row.zoom > 1 else ", 1:1" if row.box else ""
-            tiles.append(Tile(shown, f"({next(letters)}) {panel.title}{closer}", "" if row.box else words))
-        rows.extend(tiles[i : i + figure.columns] for i in range(0, len(tiles), figure.columns))
+            tiles.append(Tile(shown, f"({next(letters)}) {title}{closer}", "" if row.box else words))
+        columns = row.columns or figure.columns
+        rows.extend(tiles[i : i + columns] for i in range(0, len(tiles), columns))
     captions = tuple((tile.title, tile.words) for tiles in rows for tile in tiles)
     return Rendered(figure, save(sheet(rows), folder / f"{figure.name}.png"), captions)
 
@@ -62,5 +65,3 @@ def _value(values: Mapping[str, Mapping[str, object]], key: str) -> object:
 def _plain(value: object) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
-
-__all__ = ["Panel", "Rendered", "Row", "render"]
