@@ -93,6 +93,13 @@ def choice(name: str, value: Any, choices: tuple[str, ...]) -> str:
     return str(value)
 
 
+def flag(name: str, value: Any) -> bool:
+    """``value`` if it is True or False."""
+    if not isinstance(value, bool | np.bool_):
+        raise ArgumentError(f"{name}: expected True or False, found {value!r}", code="wrong-type", parameter=name)
+    return bool(value)
+
+
 def _array(name: str, value: npt.ArrayLike, shapes: str, fits: Any) -> Array:
     array = np.asarray(value)
     if array.dtype.kind not in "fiub":

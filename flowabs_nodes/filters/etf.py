@@ -21,6 +21,7 @@ import numpy.typing as npt
 from numba import prange
 
 from flowabs_nodes.filters import arguments, gradient
+from flowabs_nodes.filters.adaptive import kernel_choice, radii
 from flowabs_nodes.filters.arguments import Array
 from flowabs_nodes.filters.flow_fill import flow_fill
 from flowabs_nodes.filters.kernels import kernel, parallel_kernel
@@ -39,6 +40,7 @@ def etf(
     pre_blur: float = 0.0,
     gradient_reference: str | float = "max",
     fill: float | None = 0.0,
+    adaptive: bool = False,
 ) -> Array:
     """Edge tangent flow, eqs. 1-5: a smooth field of tangents that keeps the directions of strong edges.
 
@@ -64,6 +66,9 @@ def etf(
     fill
         Gradient in code values per pixel below which a tangent first leans on the average around it, the more the
         weaker it is; 0 fills only where there is no gradient, None leaves zero tangents there (the paper).
+    adaptive
+        Whether pixels in texture smaller than the kernel take a kernel of half the radius, a quarter and so on, down to
+        2.5 pixels (see :mod:`~flowabs_nodes.filters.adaptive`).
 
     Returns
     -------
@@ -82,6 +87,7 @@ def etf(
     pre_blur = arguments.number("pre_blur", pre_blur, min=0, max=10_000)
     gradient.check_reference(gradient_reference)
     fill = None if fill is None else arguments.number("fill", fill, min=0)
+    adaptive = arguments.flag("adaptive", adaptive)
 
     tangent, magnitude = gradient.gradient(code, pre_blur)
     strength = gradient.normalised(magnitude, gradient_reference)
@@ -90,18 +96,31 @@ def etf(
     if iterations == 0 or radius <= 1:
         return tangent
 
-    height, width = magnitude.shape
-    shapes = [_disc(radius, height, width)] if kernel == "full" else _cross(radius, height, width)
-    passes = [_Pass.prepare(tangent, strength, reach) for reach in shapes]
+    sizes = radii(radius) if adaptive else [radius]
+    choice = kernel_choice(code, radius) if len(sizes) > 1 else np.zeros((1, 1), np.uint8)
+    # One row for each pass of an iteration; in it, the kernel of each size.
+    passes = [
+        [_Pass.prepare(tangent, strength, reach) for reach in same_pass]
+        for same_pass in zip(*(_shapes(kernel, size, *magnitude.shape) for size in sizes), strict=True)
+    ]
     smoothed = np.empty_like(tangent)
+    smaller = np.empty_like(tangent if len(sizes) > 1 else tangent[:0])
     for _ in range(iterations):
-        for one in passes:
-            _smooth(tangent, strength, one.trace, one.reach, one.scale, smoothed)
+        for full, *others in passes:
+            full.smooth(tangent, strength, smoothed)
+            for k, other in enumerate(others, 1):
+                other.smooth(tangent, strength, smaller)
+                np.copyto(smoothed, smaller, where=(choice == k)[..., np.newaxis])
             tangent, smoothed = smoothed, tangent
     return tangent
 
 
 # A kernel's shape is its columns: reach[k] is how many pixels the columns k to the left and right go up and down.
+
+
+def _shapes(kernel: str, radius: float, height: int, width: int) -> list[Int64]:
+    """The passes of one iteration."""
+    return [_disc(radius, height, width)] if kernel == "full" else _cross(radius, height, width)
 
 
 def _disc(radius: float, height: int, width: int) -> Int64:
@@ -142,6 +161,9 @@ class _Pass:
         trace = np.empty_like(strength)
         _trace(tangent, strength, reach, scale, trace)
         return _Pass(reach, scale, trace)
+
+    def smooth(self, tangent: Array, strength: Array, smoothed: Array) -> None:
+        _smooth(tangent, strength, self.trace, self.reach, self.scale, smoothed)
 
 
 @parallel_kernel

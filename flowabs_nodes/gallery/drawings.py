@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio
+from scipy.spatial import cKDTree  # type: ignore[import-untyped]
 
 from flowabs_nodes.color import lstar_inverse
 
@@ -23,7 +24,6 @@ SIZE = 200  # of a drawing, width and height
 CENTRE = (SIZE - 1) / 2
 RING = 60.0  # radius of the circle of dots, and of the disc
 SPACING = 13.5  # from dot to dot, about that of 28 dots on the circle
-TEXTURE_PERIOD = 7.0
 
 
 def dots(points: Iterable[tuple[float, float]], radius: float = 3.0, size: int = SIZE) -> Array:
@@ -76,11 +76,26 @@ def disc_contour() -> npt.NDArray[np.bool_]:
     return np.asarray(np.abs(np.hypot(x - CENTRE, y - CENTRE) - RING) < 0.5)
 
 
-def small_texture(period: float = TEXTURE_PERIOD, radius: float = 1.8) -> Array:
-    """Fig. 10a: dots in a hexagonal lattice, closer together than a kernel is wide."""
+def small_texture(period: float = 8.0, width: float = 1.0, seed: int = 1) -> Array:
+    """Fig. 10a: a fine net without direction, black lines of ``width`` around cells ``period`` apart.
+
+    The cells are those of a hexagonal lattice whose points are jittered by a quarter of the period.
+    """
+    points = _jittered_lattice(period, seed)
+    y, x = np.mgrid[:SIZE, :SIZE]
+    pixels = np.stack([x.ravel(), y.ravel()], axis=1)
+    distance, nearest = cKDTree(points).query(pixels, k=4)
+    # To the borders with the next three cells: half of the difference of squares, over the distance of the two points.
+    apart = np.linalg.norm(points[nearest[:, :1]] - points[nearest[:, 1:]], axis=2)
+    border = ((distance[:, 1:] ** 2 - distance[:, :1] ** 2) / (2 * apart)).min(axis=1).reshape(SIZE, SIZE)
+    return np.asarray(255 * (1 - np.clip(width / 2 + 0.5 - border, 0, 1)), np.float32)
+
+
+def _jittered_lattice(period: float, seed: int) -> npt.NDArray[np.float64]:
     row = period * np.sqrt(3) / 2
-    rows, columns = int(SIZE / row) + 2, int(SIZE / period) + 2
-    return dots((((i + j % 2 / 2) * period, j * row) for j in range(rows) for i in range(columns)), radius)
+    rows, columns = range(-2, int(SIZE / row) + 3), range(-2, int(SIZE / period) + 3)
+    points = np.array([((i + j % 2 / 2) * period, j * row) for j in rows for i in columns])
+    return points + np.random.default_rng(seed).uniform(-period / 4, period / 4, points.shape)
 
 
 def scene_linear(code: npt.ArrayLike) -> Array:

@@ -110,6 +110,11 @@ ETF = Node(
             "0 fills just what has no gradient at all, null leaves holes (the paper to the letter).",
         ),
         Param.bool(
+            "adaptive",
+            False,
+            help="A smaller kernel where texture is smaller than it: small shapes survive a large radius (section 6).",
+        ),
+        Param.bool(
             "color", False, help="Follow edges of lightness and colour together; false is lightness alone (the paper)."
         ),
         GROUND,
