@@ -15,6 +15,7 @@ from flowabs_nodes.filters.fdog import Detector
 from flowabs_nodes.filters.kernels import parallel_kernel
 from flowabs_nodes.filters.sampling import records
 from flowabs_nodes.filters.threshold import threshold
+from flowabs_nodes.filters.xdog import xdog, xdog_rho
 
 
 def fdog_iterative(
@@ -31,6 +32,10 @@ def fdog_iterative(
     softness: float = 0.0,
     iterations: int = 3,
     pre_blur: float = 0.0,
+    form: str = "paper",
+    p: float = 20.0,
+    epsilon: float = 0.0,
+    phi: float = 0.01,
 ) -> tuple[Array, Array]:
     """Iterative FDoG: after each pass its ink is laid over the original picture, and the next pass sees that.
 
@@ -47,10 +52,13 @@ def fdog_iterative(
         Number of passes, at least 1.
     pre_blur
         Sigma in pixels of a Gaussian blur of what each pass sees, 0 to 10,000.
+    form, p, epsilon, phi
+        "paper", or "xdog" for the lines of :func:`~flowabs_nodes.filters.xdog`: then p, epsilon and phi take the place
+        of rho, tau, contrast and softness.
 
     Returns
     -------
-    Lines, (H, W) float32, 1 paper and 0 ink, and the response they come from, both of the last pass.
+    Lines, (H, W) float32, 1 paper and 0 ink, and the response they come from (H; D for xdog), both of the last pass.
 
     Raises
     ------
@@ -59,12 +67,16 @@ def fdog_iterative(
     """
     code = arguments.plane_or_planes("code", code)
     flow = arguments.flow_field(flow, code.shape)
+    is_xdog = arguments.choice("form", form, ("paper", "xdog")) == "xdog"
+    rho = xdog_rho(p) if is_xdog else rho
     detector = Detector.checked(sigma_m, sigma_c, rho, color_weight, kernel, sampling)
     iterations = arguments.whole("iterations", iterations, min=1)
     pre_blur = arguments.number("pre_blur", pre_blur, min=0, max=10_000)
 
     def draw(picture: Array) -> tuple[Array, Array]:
         response = detector.response(blur(picture, pre_blur) if pre_blur > 0 else picture, flow)
+        if is_xdog:
+            return xdog(response, p, epsilon, phi)
         return threshold(response, tau, contrast, softness), response
 
     original = records(code)

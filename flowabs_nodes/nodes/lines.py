@@ -1,7 +1,11 @@
-"""Nodes that draw lines: isotropic DoG, flow-based DoG (FDoG), and FDoG in several passes."""
+"""Nodes that draw lines: isotropic DoG, flow-based DoG (FDoG), and FDoG in several passes.
+
+Each draws in one of two forms: the paper's eqs. 8 and 9, or XDoG's.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -15,7 +19,17 @@ IMAGE = Port("image", "color", "The picture to draw.")
 FLOW = Port("flow", "flow", "The flow that lines follow.")
 LINES = Port("lines", "matte", "The drawing: 1 is paper, 0 is ink.")
 RESPONSE = Port(
-    "response", "mono", "The filter's response H before the threshold, in code values; ink is where it is low."
+    "response",
+    "mono",
+    "The response before the threshold in code values, low where ink is: H, or in form xdog D, the sharpened picture.",
+)
+
+FORM = Param.enum(
+    "form",
+    "paper",
+    ("paper", "xdog"),
+    help="Which lines: the paper's, by rho, tau, contrast and softness, or XDoG's, which fade into tone, by p, epsilon "
+    "and phi.",
 )
 
 #: The difference of Gaussians, eq. 8.
@@ -29,7 +43,7 @@ DIFFERENCE = (
         min=0,
         max=2,
         soft=(0.9, 1),
-        help="Weight of the surround: more lines, and more noise, the nearer to 1.",
+        help="Weight of the surround: more lines, and more noise, the nearer to 1. Form paper.",
     ),
 )
 
@@ -41,7 +55,7 @@ THRESHOLD = (
         min=0,
         max=1,
         soft=(0, 1),
-        help="Threshold of eq. 9: higher draws more, 0 nothing. Not used when contrast is set.",
+        help="Threshold of eq. 9: higher draws more, 0 nothing. Form paper, and not used when contrast is set.",
     ),
     Param.float(
         "contrast",
@@ -51,7 +65,8 @@ THRESHOLD = (
         soft=(0, 10),
         unit="code values",
         nullable=True,
-        help="Ink where the response is below minus this; higher draws less. null: from tau, -atanh(tau - 1).",
+        help="Ink where the response is below minus this; higher draws less. null: from tau, -atanh(tau - 1). "
+        "Form paper.",
     ),
     Param.float(
         "softness",
@@ -60,7 +75,38 @@ THRESHOLD = (
         max=1000,
         soft=(0, 10),
         unit="code values",
-        help="Width of the ramp from ink to paper: anti-aliased, steadier in motion. 0 is black and white (the paper).",
+        help="Width of the ramp from ink to paper: anti-aliased, steadier in motion. 0 is black and white (the paper). "
+        "Form paper.",
+    ),
+)
+
+#: XDoG's form of both.
+XDOG = (
+    Param.float(
+        "p",
+        20.0,
+        min=0,
+        max=1000,
+        soft=(0, 100),
+        help="Form xdog: strength of the edges; 0 is tone alone. Takes rho's place, as p / (1 + p).",
+    ),
+    Param.float(
+        "epsilon",
+        0.0,
+        min=-10_000,
+        max=10_000,
+        soft=(0, 255),
+        unit="code values",
+        help="Form xdog: tone below this level darkens; 0 draws edges alone, 255 fills all but their bright sides.",
+    ),
+    Param.float(
+        "phi",
+        0.01,
+        min=0,
+        max=1000,
+        soft=(0, 1),
+        unit="per code value",
+        help="Form xdog: steepness of the way to black; low is soft like pastel, high is black ink.",
     ),
 )
 
@@ -72,7 +118,7 @@ ALONG_FLOW = (
         min=0,
         max=10,
         soft=(0, 1),
-        help="How much differences of colour add to those of lightness; 0 is lightness alone (the paper).",
+        help="How much differences of colour add to those of lightness; 0 is lightness alone (the paper). Form paper.",
     ),
     Param.float(
         "smooth",
@@ -116,21 +162,34 @@ def code_values(image: Image, space: str, ground: float, color_weight: float) ->
     return np.stack([lightness, codes[..., 0] - lightness, codes[..., 2] - lightness], axis=2)
 
 
-def run_dog(
-    context: Context,
-    image: Image,
+def draw(
+    respond: Callable[[float], Array],
     *,
-    sigma_c: float,
+    form: str,
     rho: float,
     tau: float,
     contrast: float | None,
     softness: float,
-    ground: float,
-    space: str,
-) -> dict[str, Image]:
-    response = filters.dog(image.encoded_mono(space, ground=ground), sigma_c=sigma_c, rho=rho)
-    lines = filters.threshold(response, tau=tau, contrast=contrast, softness=softness)
+    p: float,
+    epsilon: float,
+    phi: float,
+) -> tuple[Array, Array]:
+    """Lines and response in either form; ``respond`` gives H for a rho."""
+    if form == "xdog":
+        return filters.xdog(respond(filters.xdog_rho(p)), p=p, epsilon=epsilon, phi=phi)
+    response = respond(rho)
+    return filters.threshold(response, tau=tau, contrast=contrast, softness=softness), response
+
+
+def outputs(image: Image, lines: Array, response: Array) -> dict[str, Image]:
     return {"lines": image.with_pixels(lines, "matte"), "response": image.with_pixels(response, "mono")}
+
+
+def run_dog(
+    context: Context, image: Image, *, sigma_c: float, ground: float, space: str, **form: Any
+) -> dict[str, Image]:
+    code = image.encoded_mono(space, ground=ground)
+    return outputs(image, *draw(lambda rho: filters.dog(code, sigma_c=sigma_c, rho=rho), **form))
 
 
 DOG = Node(
@@ -140,7 +199,7 @@ DOG = Node(
     doc="Winnemoeller's edge model [38], which follows no flow. Response: eq. 8 in two dimensions; lines: eq. 9.",
     inputs=(IMAGE,),
     outputs=(LINES, RESPONSE),
-    params=(*DIFFERENCE, *THRESHOLD, GROUND, SPACE),
+    params=(FORM, *DIFFERENCE, *THRESHOLD, *XDOG, GROUND, SPACE),
     run=run_dog,
 )
 
@@ -150,20 +209,24 @@ def run_fdog(
     image: Image,
     flow: Image,
     *,
-    tau: float,
-    contrast: float | None,
-    softness: float,
+    sigma_m: float,
+    sigma_c: float,
     color_weight: float,
     smooth: float,
+    kernel: str,
+    sampling: str,
     ground: float,
     space: str,
-    **fdog: Any,
+    **form: Any,
 ) -> dict[str, Image]:
+    color_weight = 0.0 if form["form"] == "xdog" else color_weight
     code = code_values(image, space, ground, color_weight)
-    response = filters.fdog(code, flow.pixels, color_weight=color_weight, **fdog)
-    lines = filters.threshold(response, tau=tau, contrast=contrast, softness=softness)
-    lines = filters.flow_blur(lines, flow.pixels, sigma=smooth, sampling=fdog["sampling"])
-    return {"lines": image.with_pixels(lines, "matte"), "response": image.with_pixels(response, "mono")}
+
+    def respond(rho: float) -> Array:
+        return filters.fdog(code, flow.pixels, sigma_m, sigma_c, rho, color_weight, kernel, sampling)
+
+    lines, response = draw(respond, **form)
+    return outputs(image, filters.flow_blur(lines, flow.pixels, sigma=smooth, sampling=sampling), response)
 
 
 FDOG = Node(
@@ -176,7 +239,7 @@ FDOG = Node(
     ),
     inputs=(IMAGE, FLOW),
     outputs=(LINES, RESPONSE),
-    params=(SIGMA_M, *DIFFERENCE, *THRESHOLD, *ALONG_FLOW),
+    params=(FORM, SIGMA_M, *DIFFERENCE, *THRESHOLD, *XDOG, *ALONG_FLOW),
     run=run_fdog,
 )
 
@@ -192,10 +255,11 @@ def run_fdog_iterative(
     space: str,
     **fdog_iterative: Any,
 ) -> dict[str, Image]:
+    color_weight = 0.0 if fdog_iterative["form"] == "xdog" else color_weight
     code = code_values(image, space, ground, color_weight)
     lines, response = filters.fdog_iterative(code, flow.pixels, color_weight=color_weight, **fdog_iterative)
     lines = filters.flow_blur(lines, flow.pixels, sigma=smooth, sampling=fdog_iterative["sampling"])
-    return {"lines": image.with_pixels(lines, "matte"), "response": image.with_pixels(response, "mono")}
+    return outputs(image, lines, response)
 
 
 FDOG_ITERATIVE = Node(
@@ -209,6 +273,7 @@ FDOG_ITERATIVE = Node(
     inputs=(IMAGE, FLOW),
     outputs=(LINES, RESPONSE),
     params=(
+        FORM,
         Param.int("iterations", 3, min=1, max=100, soft=(1, 5), help="How many passes."),
         Param.float(
             "pre_blur",
@@ -222,6 +287,7 @@ FDOG_ITERATIVE = Node(
         SIGMA_M,
         *DIFFERENCE,
         *THRESHOLD,
+        *XDOG,
         *ALONG_FLOW,
     ),
     run=run_fdog_iterative,
