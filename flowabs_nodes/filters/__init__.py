@@ -13,7 +13,10 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from flowabs_nodes.filters.bilateral import bilateral
+    from flowabs_nodes.filters.bilateral_oriented import bilateral_oriented
     from flowabs_nodes.filters.blur import blur
+    from flowabs_nodes.filters.canny import canny
     from flowabs_nodes.filters.composite import composite
     from flowabs_nodes.filters.dog import dog
     from flowabs_nodes.filters.etf import etf
@@ -24,11 +27,16 @@ if TYPE_CHECKING:
     from flowabs_nodes.filters.flow_color import flow_color
     from flowabs_nodes.filters.gradient import measure_reference
     from flowabs_nodes.filters.lic import lic
+    from flowabs_nodes.filters.mean_shift import mean_shift, measure_clipping
     from flowabs_nodes.filters.quantize import quantize
     from flowabs_nodes.filters.threshold import threshold
+    from flowabs_nodes.filters.xdog import xdog, xdog_rho
 
 __all__ = [
+    "bilateral",
+    "bilateral_oriented",
     "blur",
+    "canny",
     "composite",
     "dog",
     "etf",
@@ -38,12 +46,20 @@ __all__ = [
     "flow_blur",
     "flow_color",
     "lic",
+    "mean_shift",
+    "measure_clipping",
     "measure_reference",
     "quantize",
     "threshold",
+    "xdog",
+    "xdog_rho",
 ]
 
-_MODULES = {name: name for name in __all__} | {"measure_reference": "gradient"}
+_MODULES = {name: name for name in __all__} | {
+    "measure_clipping": "mean_shift",
+    "measure_reference": "gradient",
+    "xdog_rho": "xdog",
+}
 
 
 class _Filters(ModuleType):
