@@ -1,4 +1,4 @@
-"""The figures: which graph, on which pictures, which outputs side by side, what the paper claims and what there is to see.
+"""The figures: which graph, on which pictures, and which outputs side by side.
 
 Parameters in captions come from the graph as it ran; numbers are measured on the very pictures shown.
 """
@@ -29,7 +29,7 @@ class Panel:
 
 @dataclass(frozen=True)
 class Row:
-    """Panels of one picture; of a region (x, y, width, height) of it, each pixel ``zoom`` wide, where ``box`` is given."""
+    """Panels of one picture, or of a region ``box`` (x, y, width, height) of it, each pixel ``zoom`` wide."""
 
     picture: str
     panels: tuple[Panel, ...]
@@ -40,14 +40,11 @@ class Row:
 
 @dataclass(frozen=True)
 class Figure:
-    """A sheet: ``claim`` is what the paper says, ``see`` what this one shows."""
+    """A sheet of a graph's outputs; both have the same name."""
 
     name: str
-    graph: str
     title: str
     rows: tuple[Row, ...]
-    claim: str
-    see: str
     width: int = 300  # of a panel, at most
     columns: int = 4
     measure: Measure | None = None
@@ -61,7 +58,9 @@ def pieces(*outputs: str) -> Measure:
 
     def measure(results: Results, picture: str) -> Mapping[str, str]:
         found = {output: measures.ink_components(results[output].pixels[..., 0]) for output in outputs}
-        return {name: f"{ink.pieces} piece{'s' * (ink.pieces > 1)} of {ink.mean_size:.0f} px" for name, ink in found.items()}
+        return {
+            name: f"{ink.pieces} piece{'s' * (ink.pieces > 1)} of {ink.mean_size:.0f} px" for name, ink in found.items()
+        }
 
     return measure
 
@@ -100,6 +99,7 @@ INPUT = Panel("plate", "Input")
 _DOG = ("sigma_c", "rho", "tau")
 _FDOG = ("sigma_m", *_DOG)
 _ITERATIVE = ("iterations", *_FDOG)
+_XDOG = ("sigma_m", "sigma_c", "p", "epsilon", "phi")
 _ETF = ("radius", "iterations")
 _FBL = ("sigma_e", "r_e", "sigma_g", "r_g", "iterations")
 _BILATERAL = ("sigma_d", "sigma_r", "iterations")
@@ -130,8 +130,9 @@ _DOTS = (
 )
 _TEXTURE = (
     INPUT,
-    Panel("mu_3", "FDoG: radius = {flow_3.radius}", of("flow_3", "iterations")),
-    Panel("mu_5", "FDoG: radius = {flow_5.radius}", of("flow_5", "iterations")),
+    Panel("mu_3", "FDoG: radius {flow_3.radius}", of("flow_3", "iterations")),
+    Panel("mu_5", "FDoG: radius {flow_5.radius}", of("flow_5", "iterations")),
+    Panel("adaptive", "FDoG: radius {flow_adaptive.radius}, adaptive", of("flow_adaptive", "iterations")),
 )
 _BIL = Panel("bilateral", "Bilateral filter", of("bilateral", *_BILATERAL))
 _FLOW = Panel("lic", "ETF", of("flow", *_ETF))
@@ -146,16 +147,12 @@ _STYLES = (
 FIGURES: tuple[Figure, ...] = (
     Figure(
         "fig01",
-        "fig01",
         "Fig. 1: image abstraction",
         (Row("astronaut.jpg", _COMBINED), Row("astronaut.jpg", _COMBINED, (140, 20, 220, 220), columns=4)),
-        "Line extraction conveys the shapes, region flattening removes insignificant detail, and both together give a cartoon.",
-        "",
         width=460,
         columns=2,
     ),
     Figure(
-        "fig03",
         "fig03",
         "Fig. 3: ETF construction",
         (
@@ -163,13 +160,10 @@ FIGURES: tuple[Figure, ...] = (
             Row("raccoon.jpg", (INPUT, _FLOW), (470, 70, 440, 330)),
             Row("columns.jpg", (INPUT, _FLOW)),
         ),
-        "The flow preserves edge directions around important features and is smooth elsewhere.",
-        "",
         width=440,
         columns=2,
     ),
     Figure(
-        "fig04",
         "fig04",
         "Fig. 4: iterative ETF construction",
         (
@@ -183,13 +177,10 @@ FIGURES: tuple[Figure, ...] = (
                 ),
             ),
         ),
-        "The flow gets smoother after each iteration; two or three do.",
-        "",
         width=460,
         columns=2,
     ),
     Figure(
-        "fig05",
         "fig05",
         "Fig. 5: separable ETF construction",
         tuple(
@@ -203,14 +194,11 @@ FIGURES: tuple[Figure, ...] = (
             )
             for name in ("coffee.exr", "chelsea.png")
         ),
-        "A pass along x and one along y give nearly the same flow: the mean colour distance is 0.00893 on the paper's picture.",
-        "",
         width=330,
         columns=3,
         measure=distance,
     ),
     Figure(
-        "fig07",
         "fig07",
         "Fig. 7: FDoG and its parameters",
         (
@@ -226,26 +214,18 @@ FIGURES: tuple[Figure, ...] = (
                 ),
             ),
         ),
-        "FDoG is more coherent than the isotropic DoG. sigma_m sets the coherence, sigma_c the width of a line; a higher rho draws "
-        "more lines.",
-        "",
         width=330,
         columns=3,
         measure=pieces("dog", "fdog", "sigma_m_1", "sigma_c_2", "rho_997"),
     ),
     Figure(
         "fig08",
-        "fig08",
         "Fig. 8: lines from isolated points",
         tuple(Row(name, _DOTS) for name in ("circle", "x", "t")),
-        "With the flow of a blurred picture and a large kernel, FDoG joins disconnected points into the line that people see; "
-        "junctions and crossings too.",
-        "",
         width=230,
         measure=pieces("dog", "fdog"),
     ),
     Figure(
-        "fig09",
         "fig09",
         "Fig. 9: noise",
         (
@@ -261,41 +241,31 @@ FIGURES: tuple[Figure, ...] = (
                 ),
             ),
         ),
-        "On a shape in Gaussian noise, isotropic DoG is incoherent at a low threshold and full of clutter at a high one; FDoG draws "
-        "a clean, coherent line at the low one.",
-        "",
         width=200,
         columns=3,
         measure=contour("dog_low", "dog_high", "dog_best", "fdog"),
     ),
     Figure(
         "fig10",
-        "fig10",
         "Fig. 10: small-scale texture",
-        (Row("texture", _TEXTURE), Row("grass.png", _TEXTURE)),
-        "A flow whose kernel is larger than the texture misses its shapes, and the lines fail with it; a small kernel draws them.",
-        "",
-        width=300,
-        columns=3,
+        (
+            Row("texture", _TEXTURE),
+            Row("texture", _TEXTURE, (75, 75, 50, 50), 4),
+        ),
     ),
     Figure(
         "fig11_13",
-        "fig11_13",
         "Figs. 11 to 13: iterative FDoG",
         tuple(Row(name, _FIRST_THIRD) for name in ("astronaut.jpg", "columns.jpg", "chelsea.png")),
-        "Each further application, with the ink so far laid over the picture, makes the boundaries more coherent. Isotropic DoG "
-        "conveys more of the tone; and noise that the first pass draws is kept by the later ones.",
-        "",
         width=270,
         measure=pieces("dog", "first", "third"),
     ),
     Figure(
         "fig14",
-        "fig14",
         "Fig. 14: line extraction compared",
         (
             Row(
-                "coffee.exr",
+                "astronaut.jpg",
                 (
                     INPUT,
                     Panel("canny", "Canny", of("canny", "sigma", "low", "high")),
@@ -305,43 +275,33 @@ FIGURES: tuple[Figure, ...] = (
                 ),
             ),
         ),
-        "FDoG captures perceptually meaningful structures and draws them with smooth, coherent lines.",
-        "",
         width=330,
         columns=3,
     ),
     Figure(
         "fig16",
-        "fig16",
         "Fig. 16: boundary restoration",
         (
             Row("noisy", (INPUT, _BIL, _FLOW_BIL)),
-            Row("noisy", (INPUT, _BIL, _FLOW_BIL), (150, 0, 80, 80), 4),
+            Row("noisy", (INPUT, _BIL, _FLOW_BIL), (170, 130, 80, 60), 4),
         ),
-        "On a noisy picture, FBL restores the boundary of a shape better than the full-kernel bilateral filter, which leaves noise "
-        "along it.",
-        "",
         width=320,
         columns=3,
         measure=noise_ratio("plate", "bilateral", "fbl"),
     ),
     Figure(
         "fig17",
-        "fig17",
         "Fig. 17: shape enhancement",
         (
             Row("blocky", (INPUT, _FLOW, _BIL, _FLOW_BIL)),
-            Row("blocky", (INPUT, _BIL, _FLOW_BIL), (60, 20, 100, 75), 3, columns=3),
-            Row("blocky", (INPUT, _BIL, _FLOW_BIL), (250, 150, 100, 75), 3, columns=3),
+            Row("blocky", (INPUT, _BIL, _FLOW_BIL), (140, 80, 100, 75), 3, columns=3),
+            Row("blocky", (INPUT, _BIL, _FLOW_BIL), (225, 210, 100, 75), 3, columns=3),
         ),
-        "On a heavily compressed picture, the bilateral filter keeps the blocks; FBL restores clean and smooth boundaries.",
-        "",
         width=400,
         columns=2,
         measure=noise_ratio("plate", "bilateral", "fbl"),
     ),
     Figure(
-        "fig18",
         "fig18",
         "Fig. 18: feature-enhancing stylization",
         (
@@ -358,13 +318,10 @@ FIGURES: tuple[Figure, ...] = (
             ),
             Row("chelsea.png", (_BIL, _FLOW_BIL), (130, 10, 110, 80), 4),
         ),
-        "FBL reinforces the shapes of single hairs, which the bilateral filter blurs away; flattened, the pattern stays sharp.",
-        "",
         width=451,
         columns=2,
     ),
     Figure(
-        "fig19",
         "fig19",
         "Fig. 19: texture stylization",
         (
@@ -376,16 +333,14 @@ FIGURES: tuple[Figure, ...] = (
                     Panel("xy_flat", "Separable bilateral", of("xy", *_BILATERAL) + of("xy_flat", "levels")),
                     Panel("fbl_flat", "FBL", of("fbl", *_FBL) + of("fbl_flat", "levels")),
                 ),
+                (110, 100, 110, 80),
+                4,
             ),
         ),
-        "On small isotropic texture the full-kernel bilateral filter stays closest to the original; FBL makes boundaries smoother, "
-        "and has none of the axis-aligned artefacts of the xy-separable one.",
-        "",
         width=420,
         columns=2,
     ),
     Figure(
-        "fig20",
         "fig20",
         "Fig. 20: kernel shapes",
         (
@@ -399,28 +354,24 @@ FIGURES: tuple[Figure, ...] = (
                     Panel("arc", "Structure-adaptive: oriented arc", of("arc", *_FBL)),
                     Panel("curve", "FBL: free-form curve", of("curve", *_FBL)),
                 ),
-                (130, 10, 110, 80),
+                (130, 75, 110, 80),
                 3,
             ),
         ),
-        "The more a kernel can follow the picture, the better shapes are protected and enhanced.",
-        "",
         width=330,
         columns=3,
     ),
     Figure(
         "fig21",
-        "fig21",
         "Fig. 21: stylization compared",
-        (Row("coffee.exr", _STYLES), Row("chelsea.png", _STYLES)),
-        "Mean-shift regions have rough boundaries; the bilateral filter's are smoother but lose some directional features; FBL has "
-        "smooth boundaries and keeps the features' directions.",
-        "",
-        width=440,
-        columns=2,
+        tuple(
+            row
+            for name, box in (("coffee.exr", (180, 110, 150, 100)), ("chelsea.png", (130, 70, 150, 100)))
+            for row in (Row(name, _STYLES), Row(name, _STYLES, box, 2))
+        ),
+        width=300,
     ),
     Figure(
-        "fig24",
         "fig24",
         "Fig. 24: results",
         tuple(
@@ -433,22 +384,36 @@ FIGURES: tuple[Figure, ...] = (
                 ("astronaut.jpg", Panel("comp", "Astronaut")),
             )
         ),
-        "Lines and flattened colour together convey shape and tone; for some pictures lines alone, or colour alone, do better.",
-        "",
         width=440,
         columns=2,
     ),
     Figure(
-        "fig25",
         "fig25",
         "Fig. 25: a large picture",
         (
             Row("raccoon.jpg", (INPUT, Panel("comp", "Abstraction"))),
             Row("raccoon.jpg", (INPUT, Panel("comp", "Abstraction")), (430, 60, 460, 320)),
         ),
-        "The same values do on a large photograph.",
-        "",
         width=460,
         columns=2,
+    ),
+    Figure(
+        "xdog",
+        "Beyond the paper: XDoG",
+        (
+            Row(
+                "astronaut.jpg",
+                (
+                    INPUT,
+                    Panel("pencil", "Pencil", of("pencil", *_XDOG)),
+                    Panel("pastel", "Pastel", of("pastel", *_XDOG)),
+                    Panel("comp", "Pastel over the picture"),
+                    Panel("ink", "Ink", of("ink", *_XDOG)),
+                    Panel("negative", "Negative edges", of("negative", *_XDOG)),
+                ),
+            ),
+        ),
+        width=330,
+        columns=3,
     ),
 )

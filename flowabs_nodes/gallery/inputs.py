@@ -29,8 +29,8 @@ DRAWN: dict[str, Callable[[], drawings.Array]] = {
 }
 #: Damaged photographs: of which picture, of which region (x, y, width, height), and how.
 DAMAGED: dict[str, tuple[str, tuple[int, int, int, int], Callable[[Bytes], Bytes]]] = {
-    "noisy": ("astronaut.jpg", (96, 0, 320, 288), drawings.noisy),
-    "blocky": ("coffee.exr", (120, 40, 400, 300), drawings.jpeg_damaged),
+    "noisy": ("coffee.exr", (120, 0, 320, 240), drawings.noisy),
+    "blocky": ("chelsea.png", (0, 0, 451, 300), drawings.jpeg_damaged),
 }
 
 
@@ -71,7 +71,7 @@ def _write(pixels: drawings.Array | Bytes, path: Path, kind: str, channels: tupl
     spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], len(channels), kind)
     spec.channelnames = channels
     output = oiio.ImageOutput.create(str(path))
-    pixels = np.ascontiguousarray(pixels)
-    if not (output and output.open(str(path), spec) and output.write_image(pixels) and output.close()):
+    packed = np.ascontiguousarray(pixels)
+    if not (output and output.open(str(path), spec) and output.write_image(packed) and output.close()):
         raise WriteError(f"not written: {oiio.geterror()}", file=str(path))
     return path

@@ -28,7 +28,7 @@ class Rendered:
 
 def render(figure: Figure, folder: Path) -> Rendered:
     """Run a figure's graph and write its sheet into ``folder``; drawn inputs go into ``folder/inputs``."""
-    graph = load_graph(paper()[figure.graph])
+    graph = load_graph(paper()[figure.name])
     values = graph.values(1)
     results: dict[str, Results] = {}
     measured: dict[str, Mapping[str, str]] = {}
@@ -39,6 +39,7 @@ def render(figure: Figure, folder: Path) -> Rendered:
         results[picture] = done
         measured[picture] = figure.measure(done, picture) if figure.measure else {}
     letters = iter("abcdefghijklmnopqrstuvwxyzABCDEFGH")
+    whole = {row.picture for row in figure.rows if row.box is None}
     rows: list[list[Tile]] = []
     for row in figure.rows:
         tiles = []
@@ -50,7 +51,9 @@ def render(figure: Figure, folder: Path) -> Rendered:
             shown = enlarged(pixels, row.box, row.zoom) if row.box else fitted(pixels, figure.width)
             title = re.sub(r"\{([\w.]+)\}", lambda found: _plain(_value(values, found[1])), panel.title)
             closer = ", enlarged" if row.zoom > 1 else ", 1:1" if row.box else ""
-            tiles.append(Tile(shown, f"({next(letters)}) {title}{closer}", "" if row.box else words))
+            tiles.append(
+                Tile(shown, f"({next(letters)}) {title}{closer}", "" if row.box and row.picture in whole else words)
+            )
         columns = row.columns or figure.columns
         rows.extend(tiles[i : i + columns] for i in range(0, len(tiles), columns))
     captions = tuple((tile.title, tile.words) for tiles in rows for tile in tiles)
@@ -64,4 +67,3 @@ def _value(values: Mapping[str, Mapping[str, object]], key: str) -> object:
 
 def _plain(value: object) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
-

@@ -1,6 +1,6 @@
 """A contact sheet: captioned panels in rows on white, saved small.
 
-Text is drawn with the fonts that come in OpenImageIO's wheel; where there are none it is left out (the page says the same).
+Text is drawn with the fonts that come in OpenImageIO's wheel, and left out where there are none.
 """
 
 from __future__ import annotations
@@ -147,6 +147,8 @@ def _write(pixels: Bytes, path: Path, quality: int | None) -> Path:
     else:
         spec.attribute("png:compressionLevel", 9)
     output = oiio.ImageOutput.create(str(path))
-    if not (output and output.open(str(path), spec) and output.write_image(np.ascontiguousarray(pixels)) and output.close()):
+    if not (
+        output and output.open(str(path), spec) and output.write_image(np.ascontiguousarray(pixels)) and output.close()
+    ):
         raise WriteError(f"not written: {oiio.geterror()}", file=str(path))
     return path
