@@ -57,7 +57,8 @@ def graphs() -> None:
     click.echo("The paper's figures, with the paper's values:")
     for name, path in paper().items():
         said = json.loads(path.read_text(encoding="utf-8"))["description"]
-        click.echo(textwrap.fill(said, 110, initial_indent=f"  {name:9} ", subsequent_indent=" " * 12))
+        indent = f"  {name:9} "
+        click.echo(textwrap.fill(said, 110, initial_indent=indent, subsequent_indent=" " * 12, break_on_hyphens=False))
 
 
 def _range(knob: Knob) -> str:

@@ -63,7 +63,6 @@ OWN = {
     ("fig09", "fdog"),
     ("fig10", "flow_adaptive"),
     ("fig20", "curve"),
-    ("fig24", "smooth"),
 }
 
 

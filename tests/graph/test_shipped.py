@@ -8,7 +8,7 @@ import flowabs_nodes
 from flowabs_nodes import graph
 from flowabs_nodes.errors import CommandError
 from flowabs_nodes.graph import shipped
-from flowabs_nodes.graph.shipped import resolve
+from flowabs_nodes.graph.shipped import paper, resolve
 
 ROOT = Path(__file__).resolve().parents[2]
 NAMES = {"lines", "flat", "abstraction", "abstraction_hdr", "portrait", "inked", "flow"}
@@ -58,6 +58,15 @@ def test_what_a_name_means(tmp_path, monkeypatch):
     with pytest.raises(CommandError) as caught:
         resolve("mine")
     assert "./mine" in caught.value.hint
+
+
+def test_figures_of_the_paper_have_names_too_and_are_listed_apart():
+    assert resolve("fig07") == paper()["fig07"]
+    assert paper()["fig07"].parent == graph.shipped()["lines"].parent / "paper"
+    assert not set(paper()) & set(graph.shipped())
+    with pytest.raises(CommandError) as caught:
+        resolve("fig077")
+    assert "fig07" in caught.value.hint
 
 
 def test_the_graph_in_the_documentation_is_valid():
