@@ -110,6 +110,7 @@ def of(node: str, *names: str) -> tuple[str, ...]:
     return tuple(f"{node}.{name}" for name in names)
 
 
+_ALL = of("lines", *_ITERATIVE) + of("smooth", *_FBL) + of("flat", "levels")
 _COMBINED = (
     INPUT,
     Panel("lines", "Line extraction", of("lines", *_ITERATIVE)),
@@ -127,6 +128,7 @@ _DOTS = (
     Panel("dog", "DoG", of("dog", *_DOG)),
     Panel("lic", "ETF", of("flow", *_ETF, "pre_blur")),
     Panel("fdog", "FDoG", of("fdog", *_FDOG)),
+    Panel("third", "FDoG: third iteration", of("third", "pre_blur")),
 )
 _TEXTURE = (
     INPUT,
@@ -222,8 +224,8 @@ FIGURES: tuple[Figure, ...] = (
         "fig08",
         "Fig. 8: lines from isolated points",
         tuple(Row(name, _DOTS) for name in ("circle", "x", "t")),
-        width=230,
-        measure=pieces("dog", "fdog"),
+        columns=5,
+        measure=pieces("dog", "fdog", "third"),
     ),
     Figure(
         "fig09",
@@ -377,11 +379,11 @@ FIGURES: tuple[Figure, ...] = (
         tuple(
             Row(name, (INPUT, panel))
             for name, panel in (
-                ("chelsea.png", Panel("comp", "Cat")),
-                ("columns.jpg", Panel("lines", "Arcade, lines alone")),
-                ("coffee.exr", Panel("comp", "Coffee")),
-                ("bridge.jpg", Panel("flat", "Bridge, colour alone")),
-                ("astronaut.jpg", Panel("comp", "Astronaut")),
+                ("chelsea.png", Panel("comp", "Cat", _ALL)),
+                ("columns.jpg", Panel("lines", "Arcade, lines alone", of("lines", *_ITERATIVE))),
+                ("coffee.exr", Panel("comp", "Coffee", _ALL)),
+                ("bridge.jpg", Panel("flat", "Bridge, colour alone", of("smooth", *_FBL) + of("flat", "levels"))),
+                ("astronaut.jpg", Panel("comp", "Astronaut", _ALL)),
             )
         ),
         width=440,
@@ -391,8 +393,8 @@ FIGURES: tuple[Figure, ...] = (
         "fig25",
         "Fig. 25: a large picture",
         (
-            Row("raccoon.jpg", (INPUT, Panel("comp", "Abstraction"))),
-            Row("raccoon.jpg", (INPUT, Panel("comp", "Abstraction")), (430, 60, 460, 320)),
+            Row("raccoon.jpg", (INPUT, Panel("comp", "Abstraction", _ALL))),
+            Row("raccoon.jpg", (INPUT, Panel("comp", "Abstraction", _ALL)), (430, 60, 460, 320)),
         ),
         width=460,
         columns=2,

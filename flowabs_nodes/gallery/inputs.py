@@ -70,6 +70,7 @@ def _write(pixels: drawings.Array | Bytes, path: Path, kind: str, channels: tupl
     path.parent.mkdir(parents=True, exist_ok=True)
     spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], len(channels), kind)
     spec.channelnames = channels
+    spec.attribute("DateTime", "2009:01:01 00:00:00")  # else EXR takes the time of day: another file each time
     output = oiio.ImageOutput.create(str(path))
     packed = np.ascontiguousarray(pixels)
     if not (output and output.open(str(path), spec) and output.write_image(packed) and output.close()):

@@ -35,23 +35,21 @@ TEXTS: dict[str, Text] = {
         claim="A pass along x and one along y give nearly the same flow: the mean colour distance is 0.00893 on the "
         "paper's picture.",
         see="the same structure, but not the same picture: the distance is ten times what the paper reports on its "
-        "own image. They differ at corners and in weak areas, where an x pass turns what the y pass is weighted "
-        "by; along edges they agree. The full kernel costs no more here, and is the default.",
+        "own image. They differ most where gradients are weak, and at corners; on the strongest edges a third as "
+        "much. The full kernel costs no more here, and is the default.",
     ),
     "fig07": Text(
         claim="FDoG is more coherent than the isotropic DoG. sigma_m sets the coherence, sigma_c the width of a "
-        "line; a "
-        "higher rho draws more lines.",
+        "line; a higher rho draws more lines.",
         see="the specks of DoG (b) are gone in (c), with a third of the pieces, each longer; a short kernel (d) is "
         "half-way back to DoG; sigma_c 2 (e) draws with a broad pen; rho 0.997 (f) adds whiskers and faint edges.",
     ),
     "fig08": Text(
         claim="With the flow of a blurred picture and a large kernel, FDoG joins disconnected points into the "
-        "line that "
-        "people see; junctions and crossings too.",
-        see="DoG (b, f, j) leaves each dot alone. FDoG closes the circle, and draws the four arms of the X and the "
-        "two strokes of the T. It falls short where strokes meet: the flow has no one direction at a junction, "
-        "and a gap of a few pixels stays.",
+        "line that people see; junctions and crossings too.",
+        see="DoG (b, g, l) leaves each dot alone. FDoG closes the circle (d), and draws the four arms of the X (i) and "
+        "the two strokes of the T (n), with a gap where they meet: the flow has no one direction there. Two more "
+        "iterations with a little blur before each, section 3.2, close the gaps (j, o); strokes get thicker.",
     ),
     "fig09": Text(
         claim="On a shape in Gaussian noise, isotropic DoG is incoherent at a low threshold and full of clutter at a "
@@ -65,14 +63,12 @@ TEXTS: dict[str, Text] = {
         claim="A flow whose kernel is larger than the texture misses its shapes, and the lines fail with it; a small "
         "kernel draws them.",
         see="a net of lines eight pixels apart. Radius 3 (b) draws it; with radius 5 (c) the flow runs across the "
-        "cells "
-        "and the lines with it, as the paper says. Radius 5 with `adaptive` (d), the paper's own suggestion for later "
+        "cells and the lines with it, as the paper says. Radius 5 with `adaptive` (d), the paper's own suggestion for later "
         "work, takes a smaller kernel where the picture needs it, and draws the net again.",
     ),
     "fig11_13": Text(
         claim="Each further application, with the ink so far laid over the picture, makes the boundaries more "
-        "coherent. "
-        "Isotropic DoG conveys more of the tone; and noise that the first pass draws is kept by the later ones.",
+        "coherent. Isotropic DoG conveys more of the tone; and noise that the first pass draws is kept by the later ones.",
         see="from DoG to FDoG's third iteration pieces become fewer and several times longer: rings of the collar "
         "close, column edges run through. As the paper says, later passes also keep what is noise: dashes on the "
         "floor, in the fur and on the visor.",
@@ -101,8 +97,7 @@ TEXTS: dict[str, Text] = {
     ),
     "fig18": Text(
         claim="FBL reinforces the shapes of single hairs, which the bilateral filter blurs away; flattened, the "
-        "pattern "
-        "stays sharp.",
+        "pattern stays sharp.",
         see="in (c, g) the fur melts to patches; in (d, h) hairs stay, and run together to strands. Flattened, "
         "strokes of fur are left in (f) where (e) has blots.",
     ),
@@ -122,8 +117,7 @@ TEXTS: dict[str, Text] = {
     ),
     "fig21": Text(
         claim="Mean-shift regions have rough boundaries; the bilateral filter's are smoother but lose some "
-        "directional "
-        "features; FBL has smooth boundaries and keeps the features' directions.",
+        "directional features; FBL has smooth boundaries and keeps the features' directions.",
         see="mean shift's borders are ragged (f, n); the bilateral filter's are cleaner, with leftover specks; FBL's "
         "are smooth, and strands of fur keep their direction. Mean shift keeps more of the tones, having no "
         "levels.",

@@ -1,4 +1,5 @@
 import re
+import time
 from pathlib import Path
 
 import pytest
@@ -40,14 +41,17 @@ def test_one_sheet_from_the_command_line(tmp_path, capsys):
     assert str(sheet) in capsys.readouterr().out
     assert {file.name for file in (tmp_path / "inputs").iterdir()} == {"circle.exr", "x.exr", "t.exr"}
     assert not (tmp_path / "README.md").exists()
-    before = sheet.read_bytes()
+    files = [sheet, *(tmp_path / "inputs").iterdir()]
+    before = [file.read_bytes() for file in files]
+    time.sleep(1.1)  # a time in the header would have moved on
     assert main(["--only", "fig08", "--out", str(tmp_path)]) == 0
-    assert sheet.read_bytes() == before
+    assert [file.read_bytes() for file in files] == before
 
 
 def test_captions_tell_the_values_of_the_graph_and_what_was_measured(tmp_path):
     captions = dict(render(BY_NAME["fig08"], tmp_path).captions)
     assert captions["(d) FDoG"] == "sigma_m 6, sigma_c 2, rho 0.99, tau 0.5; 1 piece of 2104 px"
+    assert captions["(j) FDoG: third iteration"].startswith("pre_blur 1.5; 1 piece ")
     assert captions["(b) DoG"].endswith("28 pieces of 52 px")
 
 

@@ -56,6 +56,7 @@ OWN = {
     ("fig08", "flow"),
     ("fig08", "dog"),
     ("fig08", "fdog"),
+    ("fig08", "third"),
     ("fig09", "flow"),
     ("fig09", "dog_low"),
     ("fig09", "dog_high"),
