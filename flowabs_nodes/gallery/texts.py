@@ -63,12 +63,13 @@ TEXTS: dict[str, Text] = {
         claim="A flow whose kernel is larger than the texture misses its shapes, and the lines fail with it; a small "
         "kernel draws them.",
         see="a net of lines eight pixels apart. Radius 3 (b) draws it; with radius 5 (c) the flow runs across the "
-        "cells and the lines with it, as the paper says. Radius 5 with `adaptive` (d), the paper's own suggestion for later "
-        "work, takes a smaller kernel where the picture needs it, and draws the net again.",
+        "cells and the lines with it, as the paper says. Radius 5 with `adaptive` (d), the paper's own suggestion for "
+        "later work, takes a smaller kernel where the picture needs it, and draws the net again.",
     ),
     "fig11_13": Text(
         claim="Each further application, with the ink so far laid over the picture, makes the boundaries more "
-        "coherent. Isotropic DoG conveys more of the tone; and noise that the first pass draws is kept by the later ones.",
+        "coherent. Isotropic DoG conveys more of the tone; and noise that the first pass draws is kept by "
+        "the later ones.",
         see="from DoG to FDoG's third iteration pieces become fewer and several times longer: rings of the collar "
         "close, column edges run through. As the paper says, later passes also keep what is noise: dashes on the "
         "floor, in the fur and on the visor.",
