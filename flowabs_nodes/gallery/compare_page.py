@@ -33,8 +33,8 @@ direction round about. [measures.py](../../flowabs_nodes/gallery/measures.py) ha
 
 AFTER_LINES = """\
 The goal for `lines` is a flicker of at most {flicker:g} and a jag of at most {jag:g}, as means of the five: it has
-{found}. Fur is the hardest: the cat and the raccoon are above both on their own. At the pictures' own sizes, where a
-stroke is as thin as half a pixel (the cat has 300 lines), it is {own}.
+{found}. Fur is the hardest: the cat and the raccoon are above both on their own. At the
+pictures' own sizes, where a stroke is as thin as half a pixel (the cat has 300 lines), it is {own}.
 
 What the graph's values are worth, each changed alone, on these pictures (before: flicker .056, jag 6.5):
 
@@ -84,7 +84,7 @@ texture that no smoothing brings back.
 
 AFTER_RESTORATION = """\
 The paper's `sigma_r` 10 is half the noise: the bilateral filter takes noise for edges and leaves it, where FBL, with
-`r_e` 50, may average along the flow. The last column gives the bilateral filter the best of `sigma_r` 20, 40, 80, 160:
+`r_e` 50, may average along the flow. The last column gives the bilateral filter the best of `sigma_r` 10, 20, 40, 80:
 on noise it stays below FBL. As JPEG, neither gains much over what goes in. FBL straightens the stairs of a boundary,
 but these are few pixels; ringing beside it stays, for `sigma_g` 0.3 hardly smooths across. There the bilateral filter
 has the smaller edge error on the flower, and with another `sigma_r` the better PSNR too.
