@@ -23,6 +23,8 @@ that the graph ran with, and numbers in captions are measured on the very pictur
     python -m flowabs_nodes.gallery                 # all of it again
     python -m flowabs_nodes.gallery --only fig07    # one sheet
 
+Figs. 14 and 21 need OpenCV: `pip install 'flowabs-nodes[compare]'`.
+
 A figure's graph runs on any picture from the command line. The EXR that comes out holds its panels as layers; with a
 name in .png it is the main panel alone. Lengths are pixels, as printed: on plates much larger than the paper's
 512x512 lines come out thin (the [shipped graphs](../start.md) scale with the plate, these do not).
@@ -43,7 +45,8 @@ bilateral filter grows with the square.
 
     python -m flowabs_nodes.gallery.speed --json docs/gallery/fig23.json --svg docs/gallery/fig23.svg
 
-Figs. 2, 6 and 15 of the paper are diagrams, Fig. 22 shows its test pictures.
+Figs. 2, 6 and 15 of the paper are diagrams, Fig. 22 shows its test pictures. [Side by side](../compare/README.md)
+has our lines and flat colour beside other methods on five pictures, with numbers.
 """
 
 

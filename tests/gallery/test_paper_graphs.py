@@ -1,9 +1,12 @@
 """The graphs in graphs/paper carry the values that the paper prints."""
 
+import numpy as np
 import pytest
 
 from flowabs_nodes import graph
+from flowabs_nodes.engine import load_graph
 from flowabs_nodes.graph.shipped import paper
+from flowabs_nodes.image import Image
 
 FIGURES = "01 03 04 05 07 08 09 10 11_13 14 16 17 18 19 20 21 24 25"
 MEAN_SHIFT = {"spatial": 10, "range": 5, "min_region": 20}
@@ -94,3 +97,17 @@ def test_all_else_has_the_default_values(name):
         for key, value in DEFAULTS.get(loaded.nodes[node].declaration.type, {}).items():
             if key not in printed and (name, node) not in OWN:
                 assert values[key] == value, (node, key)
+
+
+@pytest.mark.parametrize("name", sorted(paper()))
+def test_each_runs_on_any_plate(name):
+    runnable = load_graph(name)
+    if {"canny", "mean_shift"} & {node.declaration.type for node in runnable.nodes.values()}:
+        pytest.importorskip("cv2")
+    y, x = np.mgrid[:36, :52] / 8
+    plate = Image.from_array(np.stack([np.sin(x) + 1.1, np.cos(y) + 1.1, np.sin(x + y) + 1.1], 2).astype(np.float32))
+    made = runnable.run(given={"plate": plate}, on_event=lambda event: None)
+    assert len(made) == len(runnable.nodes["out"].inputs)
+    for image in made.values():
+        assert image.data_window == plate.data_window
+        assert np.isfinite(image.pixels).all()
