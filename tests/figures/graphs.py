@@ -10,12 +10,11 @@ from flowabs_nodes.io.settings import Settings
 PHOTOGRAPHS = ("chelsea.png", "coffee.exr", "astronaut.jpg")
 
 
-def run(name, plate, *outputs, **parameters):
+def run(name, plate, *outputs):
     """Outputs of a shipped graph, by name; ``plate`` is a drawing or an Image."""
     if not isinstance(plate, fa.Image):
         plate = fa.Image.from_array(drawings.scene_linear(plate), colorspace="lin_rec709")
-    set_ = {key.replace("__", "."): value for key, value in parameters.items()}
-    results = fa.load_graph(name).run(given={"plate": plate}, outputs=list(outputs), set=set_)
+    results = fa.load_graph(name).run(given={"plate": plate}, outputs=list(outputs))
     return {output: results[output].pixels.squeeze() for output in outputs}
 
 

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from flowabs_nodes.filters import etf, fdog_iterative
 from flowabs_nodes.gallery import drawings
 from flowabs_nodes.gallery.measures import f_score, ink_components, is_closed_ring
 from tests.figures.graphs import run
@@ -31,8 +30,8 @@ def test_junctions_come_apart_in_one_pass(drawing, dots, pieces):
 @pytest.mark.parametrize(
     "drawing", [drawings.dots_on_circle(), drawings.dots_x(), drawings.dots_t()], ids=["circle", "x", "t"]
 )
-def test_a_second_blurred_pass_joins_them_all(drawing):
-    lines, _ = fdog_iterative(drawing, etf(drawing, 10, 5, pre_blur=5), 6, 2, iterations=2, pre_blur=1.5)
+def test_further_passes_with_a_little_blur_join_them_all(drawing):
+    lines = run("fig08", drawing, "third")["third"]
     assert ink_components(lines).pieces == 1
     assert f_score(lines, drawing < 128, 10).f_score == 1  # all of it at the dots, and none left out
 
