@@ -139,6 +139,12 @@ _TEXTURE = (
 _BIL = Panel("bilateral", "Bilateral filter", of("bilateral", *_BILATERAL))
 _FLOW = Panel("lic", "ETF", of("flow", *_ETF))
 _FLOW_BIL = Panel("fbl", "FBL", of("fbl", *_FBL))
+_TEXTURES = (
+    INPUT,
+    Panel("bilateral_flat", "Bilateral", of("bilateral", *_BILATERAL) + of("bilateral_flat", "levels")),
+    Panel("xy_flat", "Separable bilateral", of("xy", *_BILATERAL) + of("xy_flat", "levels")),
+    Panel("fbl_flat", "FBL", of("fbl", *_FBL) + of("fbl_flat", "levels")),
+)
 _STYLES = (
     INPUT,
     Panel("mean_shift", "Mean shift", of("mean_shift", "spatial", "range", "min_region")),
@@ -326,21 +332,7 @@ FIGURES: tuple[Figure, ...] = (
     Figure(
         "fig19",
         "Fig. 19: texture stylization",
-        (
-            Row(
-                "grass.png",
-                (
-                    INPUT,
-                    Panel("bilateral_flat", "Bilateral", of("bilateral", *_BILATERAL) + of("bilateral_flat", "levels")),
-                    Panel("xy_flat", "Separable bilateral", of("xy", *_BILATERAL) + of("xy_flat", "levels")),
-                    Panel("fbl_flat", "FBL", of("fbl", *_FBL) + of("fbl_flat", "levels")),
-                ),
-                (110, 100, 110, 80),
-                4,
-            ),
-        ),
-        width=420,
-        columns=2,
+        (Row("blobs", _TEXTURES, (50, 40, 75, 65), 4), Row("grass.png", _TEXTURES, (110, 100, 75, 65), 4)),
     ),
     Figure(
         "fig20",

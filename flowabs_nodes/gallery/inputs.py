@@ -13,11 +13,20 @@ import OpenImageIO as oiio
 
 import flowabs_nodes
 from flowabs_nodes.errors import ReadError, WriteError
+from flowabs_nodes.filters import blur
 from flowabs_nodes.gallery import drawings
 from flowabs_nodes.gallery.sheet import Bytes, display
 from flowabs_nodes.image import Image
 from flowabs_nodes.io.read import read_image
 from flowabs_nodes.io.settings import Settings
+
+
+def blobs(size: int = 200, scale: float = 2.0, spread: float = 30.0, seed: int = 3) -> drawings.Array:
+    """Fig. 19a: small texture without direction, noise blurred by ``scale`` pixels, and a little noise on it."""
+    draws = np.random.default_rng(seed).standard_normal((2, size, size)).astype(np.float32)
+    soft = blur(draws[0], scale)
+    return np.asarray(128 + spread * soft / soft.std() + 4 * draws[1], np.float32)
+
 
 #: Drawings, by the name of the picture.
 DRAWN: dict[str, Callable[[], drawings.Array]] = {
@@ -26,6 +35,7 @@ DRAWN: dict[str, Callable[[], drawings.Array]] = {
     "t": drawings.dots_t,
     "disc": drawings.disc_in_noise,
     "texture": drawings.small_texture,
+    "blobs": blobs,
 }
 #: Damaged photographs: of which picture, of which region (x, y, width, height), and how.
 DAMAGED: dict[str, tuple[str, tuple[int, int, int, int], Callable[[Bytes], Bytes]]] = {

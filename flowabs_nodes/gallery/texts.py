@@ -107,9 +107,9 @@ TEXTS: dict[str, Text] = {
     "fig19": Text(
         claim="On small isotropic texture the full-kernel bilateral filter stays closest to the original; FBL makes "
         "boundaries smoother, and has none of the axis-aligned artefacts of the xy-separable one.",
-        see="at the paper's values the three are much alike on this texture. Look at the leaves: FBL's borders are "
-        "smoother and longer along the blades, the xy-separable filter's have more corners along the axes; the "
-        "full bilateral filter is nearest to the input.",
+        see="on blurred noise, the bilateral filter (b) keeps shapes round and near the input; the xy-separable one (c) "
+        "squares them off, see the ends of the bars; FBL (d) follows the flow, smooth, but with shapes of its own. In "
+        "grass (f, g, h) the three differ by little at these values.",
     ),
     "fig20": Text(
         claim="The more a kernel can follow the picture, the better shapes are protected and enhanced.",
