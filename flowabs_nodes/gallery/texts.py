@@ -107,7 +107,7 @@ TEXTS: dict[str, Text] = {
     "fig19": Text(
         claim="On small isotropic texture the full-kernel bilateral filter stays closest to the original; FBL makes "
         "boundaries smoother, and has none of the axis-aligned artefacts of the xy-separable one.",
-        see="on blurred noise, the bilateral filter (b) keeps shapes round and near the input; the xy-separable one (c) "
+        see="on blurred noise, the bilateral filter (b) keeps shapes round and near the input; the xy-separable (c) "
         "squares them off, see the ends of the bars; FBL (d) follows the flow, smooth, but with shapes of its own. In "
         "grass (f, g, h) the three differ by little at these values.",
     ),
