@@ -17,8 +17,9 @@ HEAD = """\
 
 Every figure of "Flow-Based Image Abstraction" (Kang, Lee, Chui, IEEE TVCG 15(1), 2009), made by the graphs in
 [graphs/paper](../../graphs/paper) on [pictures](../pictures/README.md) that ship with flowabs, or on inputs that are
-drawn by code. Parameters are the paper's as printed, its default values where it prints none; captions name those
-that the graph ran with, and numbers in captions are measured on the very pictures shown.
+drawn by code. Parameters are the paper's as printed, its default values where it prints none; Figs. 8, 9 and 20, which
+need others and print few, have our own beside the printed ones. Captions name what the graph ran with, and numbers in
+captions are measured on the very pictures shown.
 
     python -m flowabs_nodes.gallery                 # all of it again
     python -m flowabs_nodes.gallery --only fig07    # one sheet
