@@ -34,10 +34,15 @@ TEXTS: dict[str, Text] = {
     "fig05": Text(
         claim="A pass along x and one along y give nearly the same flow: the mean colour distance is 0.00893 on the "
         "paper's picture.",
-        see="the same structure, but not the same picture: the distance is ten times what the paper reports on its "
-        "own image. They differ most where gradients are weak, and at corners; on the strongest edges a third as "
-        "much. On a clean drawn shape the distance is below the paper's: it is a matter of how much of a picture "
-        "is noise and texture. The full kernel costs no more here, and is the default.",
+        see="the same structure, but not the same picture: on six photographs the distance is .084 to .129 (medians .03 "
+        "to .06). It is not spread evenly. A fifth to a third of the pixels, where no direction dominates, hold 71 to "
+        "81 % of it; the quarter with the weakest gradients differs two to five times as much as the strongest 3 %. "
+        "Whatever makes the flow less ambiguous shrinks it: a pre_blur of 1 with fill 2 gives .03 to .07, a pre_blur "
+        "of 8 .02 to .03, and a clean drawn disc .0028, below the paper's number, which is then one of a picture with "
+        "clear edges. Nor is separability the main cause: the same passes summed exactly over a square of equal area "
+        "still differ from the disc by .05 to .075. Averaging x-then-y with y-then-x gains 5 to 8 %. The better answer "
+        "is no approximation: since eqs. 4 and 5 are a product with a tensor, the full disc is made of running sums, "
+        "exact, linear in the radius, and no slower. It is the default.",
     ),
     "fig07": Text(
         claim="FDoG is more coherent than the isotropic DoG. sigma_m sets the coherence, sigma_c the width of a "
