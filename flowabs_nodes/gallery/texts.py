@@ -34,7 +34,7 @@ TEXTS: dict[str, Text] = {
     "fig05": Text(
         claim="A pass along x and one along y give nearly the same flow: the mean colour distance is 0.00893 on the "
         "paper's picture.",
-        see="the same structure, but not the same picture: on six photographs the distance is .084 to .129 (medians .03 "
+        see="the same structure, but not the same picture: on six photographs the distance is .084 to .129 (median .03 "
         "to .06). It is not spread evenly. A fifth to a third of the pixels, where no direction dominates, hold 71 to "
         "81 % of it; the quarter with the weakest gradients differs two to five times as much as the strongest 3 %. "
         "Whatever makes the flow less ambiguous shrinks it: a pre_blur of 1 with fill 2 gives .03 to .07, a pre_blur "
