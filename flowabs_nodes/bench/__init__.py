@@ -1,0 +1,1 @@
+"""How fast the filters are on this machine: ``python -m flowabs_nodes.bench`` (docs/performance.md)."""

@@ -1,0 +1,60 @@
+"""How long a whole process takes, from the command to its end: cold, with nothing compiled, and warm."""
+
+from __future__ import annotations
+
+import os
+import random
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from flowabs_nodes.bench.timing import Spread
+from flowabs_nodes.errors import FlowabsError
+
+REPEATS = 7
+SIZE = 512
+
+
+def environment(**more: str) -> dict[str, str]:
+    """This process's, such that another Python finds this flowabs too."""
+    import flowabs_nodes
+
+    package = str(Path(flowabs_nodes.__file__).resolve().parents[1])
+    paths = [package, *filter(None, [os.environ.get("PYTHONPATH")])]
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(paths), **more}
+
+
+def start_times() -> dict[str, Spread]:
+    """Seconds of each command; warm ones take turns. The first run fills an empty kernel cache, and is one."""
+    from flowabs_nodes.bench.scene import scene
+    from flowabs_nodes.image import Image
+
+    with tempfile.TemporaryDirectory(prefix="flowabs-bench-") as folder:
+        plate, toon = str(Path(folder) / "plate.exr"), str(Path(folder) / "toon.exr")
+        Image.from_array(scene(SIZE, SIZE)).to_imagebuf().write(plate)
+        use = environment(NUMBA_CACHE_DIR=str(Path(folder) / "kernels"))
+        flowabs = ["-m", "flowabs_nodes"]
+        run = [*flowabs, "run", "abstraction", "-i", plate, "-o", toon, "--existing", "overwrite"]
+        commands = {
+            "python alone": ["-c", "pass"],
+            "flowabs --help": [*flowabs, "--help"],
+            "flowabs check abstraction": [*flowabs, "check", "abstraction"],
+            f"flowabs run abstraction, {SIZE}x{SIZE}": run,
+        }
+        found = {f"the same, first run ever ({SIZE}x{SIZE})": [_seconds(run, use)]}
+        todo = [name for name in commands for _ in range(REPEATS)]
+        random.Random(2009).shuffle(todo)
+        for name in todo:
+            found.setdefault(name, []).append(_seconds(commands[name], use))
+    return {name: Spread.of(found[name]) for name in (*commands, *list(found)[:1])}
+
+
+def _seconds(arguments: list[str], use: dict[str, str]) -> float:
+    begin = time.perf_counter()
+    done = subprocess.run([sys.executable, *arguments], env=use, capture_output=True, text=True, check=False)
+    taken = time.perf_counter() - begin
+    if done.returncode != 0:
+        raise FlowabsError(f"{' '.join(arguments)}: {done.stderr.strip()[-2000:]}", code="bench-failed")
+    return taken

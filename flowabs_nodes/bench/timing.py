@@ -1,0 +1,126 @@
+"""Taking times: many cases in turns, so that whatever else the machine does meets all of them."""
+
+from __future__ import annotations
+
+import random
+import statistics
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+LEAST, MOST = 3, 100  # rounds of one case
+
+
+def _nothing() -> None:
+    return None
+
+
+@dataclass(frozen=True)
+class Case:
+    """Something to time.
+
+    Parameters
+    ----------
+    run
+        What is timed. It gets what ``fresh`` has made just before the clock started.
+    less
+        What ``run`` does too but is not meant: its time, taken right after, is subtracted.
+    per
+        How often ``run`` does what is meant, such as its iterations.
+    """
+
+    run: Callable[[Any], object]
+    fresh: Callable[[], Any] = _nothing
+    less: Callable[[Any], object] | None = None
+    per: int = 1
+
+    def seconds(self) -> float:
+        """One measurement."""
+        taken = _seconds(self.run, self.fresh())
+        if self.less is not None:
+            taken -= _seconds(self.less, self.fresh())
+        return taken / self.per
+
+
+class Spread(NamedTuple):
+    """What several measurements come to: the middle, the quartiles around it, the least, and how many they were."""
+
+    median: float
+    low: float
+    high: float
+    least: float
+    rounds: int
+
+    @classmethod
+    def of(cls, found: Sequence[float]) -> Spread:
+        if len(found) == 1:
+            return cls(found[0], found[0], found[0], found[0], 1)
+        low, median, high = statistics.quantiles(found, n=4, method="inclusive")
+        return cls(median, low, high, min(found), len(found))
+
+    def times(self, factor: float) -> Spread:
+        """In another unit."""
+        return Spread(self.median * factor, self.low * factor, self.high * factor, self.least * factor, self.rounds)
+
+
+def measure(cases: Mapping[str, Case], threads: Sequence[int], seconds: float) -> dict[tuple[str, int], Spread]:
+    """Seconds of each case on each number of threads.
+
+    All take turns, in another order each round; one that has had ``seconds`` is left out of further rounds, but none
+    is measured less than three times. Each has run once before, so that everything is compiled and in place.
+    """
+    for case in cases.values():
+        case.seconds()
+    todo = [(name, count) for name in cases for count in threads]
+    found: dict[tuple[str, int], list[float]] = {key: [] for key in todo}
+    spent = dict.fromkeys(todo, 0.0)
+    order = random.Random(2009)
+    with several_threads() as use:
+        while todo:
+            order.shuffle(todo)
+            for key in todo:
+                name, count = key
+                use(count)
+                begin = time.perf_counter()
+                found[key].append(cases[name].seconds())
+                spent[key] += time.perf_counter() - begin
+            todo = [key for key in todo if len(found[key]) < LEAST or (spent[key] < seconds and len(found[key]) < MOST)]
+    return {key: Spread.of(taken) for key, taken in found.items()}
+
+
+@contextmanager
+def several_threads() -> Iterator[Callable[[int], None]]:
+    """A function that sets how many threads numba and, where it is in use, OpenCV work on; put back at the end."""
+    import numba
+
+    before = numba.get_num_threads()
+    cv2 = sys.modules.get("cv2")
+    before_cv2 = cv2.getNumThreads() if cv2 is not None else 0
+
+    def use(count: int) -> None:
+        numba.set_num_threads(count)
+        if cv2 is not None:
+            cv2.setNumThreads(count)
+
+    try:
+        yield use
+    finally:
+        numba.set_num_threads(before)
+        if cv2 is not None:
+            cv2.setNumThreads(before_cv2)
+
+
+def thread_counts() -> tuple[int, ...]:
+    """One thread, and all there are."""
+    import numba
+
+    return tuple(sorted({1, numba.get_num_threads()}))
+
+
+def _seconds(run: Callable[[Any], object], given: Any) -> float:
+    begin = time.perf_counter()
+    run(given)
+    return time.perf_counter() - begin
