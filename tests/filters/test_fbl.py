@@ -179,3 +179,15 @@ def test_errors_name_the_argument(arguments, parameter):
     with pytest.raises(ArgumentError, match=parameter) as error:
         fbl(**({"codes": np.zeros((4, 5, 3)), "flow": np.zeros((4, 5, 2))} | arguments))
     assert error.value.parameter == parameter
+
+
+@pytest.mark.parametrize("length", [0, 0.5, 1, 6, 7, 1e30])
+@pytest.mark.parametrize("shape", [(30, 41), (1, 16), (9, 15)])
+@pytest.mark.parametrize("sigma_e", [2.0, 16 / 3, 5.5])
+def test_walks_that_are_written_down_lead_to_the_same_pixels(sigma_e, shape, length, monkeypatch):
+    random = np.random.default_rng(6)
+    image = random.uniform(0, 100, (*shape, 3)).astype(np.float32)
+    flow = random_flow(shape, 7) * np.float32(length)
+    smooth = fbl(image, flow, sigma_e, 50, 0, iterations=2)
+    monkeypatch.setattr("flowabs_nodes.filters.moves.MOST_STEPS", 0)
+    np.testing.assert_array_equal(smooth, fbl(image, flow, sigma_e, 50, 0, iterations=2))
