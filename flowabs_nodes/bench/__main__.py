@@ -12,7 +12,7 @@ from pathlib import Path
 from flowabs_nodes.bench.cases import PIPELINES, STAGES, Plate, chosen
 from flowabs_nodes.bench.peers import PEERS, available
 from flowabs_nodes.bench.report import Row, from_json, machine, table, to_json
-from flowabs_nodes.bench.timing import Spread, measure, thread_counts
+from flowabs_nodes.bench.timing import Elsewhere, Spread, measure, thread_counts
 from flowabs_nodes.errors import CommandError, FlowabsError, nearest
 
 SIZES = {"512": (512, 512), "1080p": (1920, 1080), "4k": (4096, 2160)}
@@ -60,6 +60,7 @@ def _bench(given: argparse.Namespace) -> None:
         if left_out:
             print(f"without OpenCV (pip install flowabs-nodes[compare]): no {', '.join(left_out)}", file=sys.stderr)
     print("  ".join(f"{key} {value}" for key, value in machine().items()), file=sys.stderr)
+    elsewhere = Elsewhere()
     rows = [row for size in sizes for row in _at(size, names, given.seconds)]
     if given.scaling:
         _tell("scaling")
@@ -72,6 +73,7 @@ def _bench(given: argparse.Namespace) -> None:
     if given.json:
         given.json.write_text(to_json(rows), encoding="utf-8")
     print(table(rows, {name: stage.in_p for name, stage in STAGES.items()}, earlier))
+    print(f"\nprocessor time that other processes have used meanwhile: {elsewhere}")
 
 
 def _at(size: tuple[int, int], names: Sequence[str], seconds: float) -> list[Row]:

@@ -1,4 +1,8 @@
-"""What was measured: as rows, as JSON, as a table, and as ratios to what an earlier run has measured."""
+"""What was measured: as rows, as JSON, as a table, and as ratios to what an earlier run has measured.
+
+Tables show medians, spreads and least times. What is made of them (gains, shares, ratios, lines) is made of the least:
+what a machine does besides can only make a time longer.
+"""
 
 from __future__ import annotations
 
@@ -123,14 +127,14 @@ def _by_threads(
 ) -> str:
     """A line for each name, a pair of columns for each number of threads."""
     counts = sorted({row.threads for row in rows})
-    titles = [f"{_threads(count):>12}    ±{'  ratio' if before else ''}" for count in counts]
+    titles = [f"{_threads(count):>12}    ±   least{'  ratio' if before else ''}" for count in counts]
     head = f"{section:26}" + "".join(titles) + (f"{'gain':>8}" if len(counts) > 1 else "")
     lines = [f"{size[0]}x{size[1]}, {rows[0].unit}", head + (f"{'share of P':>13}" if shares else "")]
     for name in dict.fromkeys(row.name for row in rows):
         found = {row.threads: row for row in rows if row.name == name}
         line = f"{name:26}" + "".join(_figure(found[count], before) for count in counts)
         if len(counts) > 1:
-            line += f"{found[counts[0]].median / found[counts[-1]].median:7.2f}x"
+            line += f"{found[counts[0]].least / found[counts[-1]].least:7.2f}x"
         if name in shares:
             line += f"{shares[name]:12.1%}"
         lines.append(line.rstrip())
@@ -142,12 +146,12 @@ def _by_threads(
 def _shares(rows: Iterable[Row], size: tuple[int, int], in_p: Mapping[str, int]) -> dict[str, float]:
     """What part of P's time on one thread each stage is, if P was measured too."""
     single = [row for row in rows if (row.width, row.height, row.threads) == (*size, 1)]
-    whole = next((row.median for row in single if (row.section, row.name) == ("pipeline", "P")), None)
+    whole = next((row.least for row in single if (row.section, row.name) == ("pipeline", "P")), None)
     if whole is None:
         return {}
     per_pixel = whole / 1e-6 / (size[0] * size[1])  # ms to ns/px
     stages = [row for row in single if row.section == "stage" and in_p.get(row.name, 0) > 0]
-    return {row.name: row.median * in_p[row.name] / per_pixel for row in stages}
+    return {row.name: row.least * in_p[row.name] / per_pixel for row in stages}
 
 
 def _plain(title: str, rows: Sequence[Row], before: Mapping[Key, Row]) -> str:
@@ -168,15 +172,15 @@ def _scaling(rows: Sequence[Row], before: Mapping[Key, Row]) -> str:
         if sweep[0].threads == 1 and name != "P threads" and len(sweep) > 2:
             from flowabs_nodes.gallery.speed import fit
 
-            line = fit([row.value or 0 for row in sweep], [row.median for row in sweep])
+            line = fit([row.value or 0 for row in sweep], [row.least for row in sweep])
             lines.append(f"{'':10}{line.intercept:.1f} + {line.slope:.2f} per px, R^2 {line.r2:.4f}")
     return "\n".join(["scaling", *lines]) if lines else ""
 
 
 def _figure(row: Row, before: Mapping[Key, Row]) -> str:
-    """The median, the distance between the quartiles as a part of it, and the ratio to the earlier run."""
+    """The median, the distance between the quartiles as a part of it, the least, the ratio to the earlier run."""
     spread = (row.high - row.low) / abs(row.median) if row.median else 0.0
-    text = f"{row.median:12.2f} {spread:4.0%}"
+    text = f"{row.median:12.2f} {min(spread, 9.99):4.0%}{row.least:8.2f}"
     if before:
         ratio = _ratio(row, before)
         text += "      -" if ratio is None else f"{ratio:6.2f}x"
@@ -199,7 +203,7 @@ def _summary(rows: Iterable[Row], before: Mapping[Key, Row]) -> str:
 def _ratio(row: Row, before: Mapping[Key, Row]) -> float | None:
     """None where the earlier run has no such figure, or one of the two is lost in noise."""
     other = before.get(row.key)
-    return row.median / other.median if other is not None and other.median > 0 and row.median > 0 else None
+    return row.least / other.least if other is not None and other.least > 0 and row.least > 0 else None
 
 
 def _threads(count: int) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import random
 import statistics
 import sys
@@ -9,6 +10,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, NamedTuple
 
 LEAST, MOST = 3, 100  # rounds of one case
@@ -37,12 +39,15 @@ class Case:
     less: Callable[[Any], object] | None = None
     per: int = 1
 
-    def seconds(self) -> float:
-        """One measurement."""
+    def seconds(self) -> tuple[float, float]:
+        """One measurement: of ``run`` and of ``less``."""
         taken = _seconds(self.run, self.fresh())
-        if self.less is not None:
-            taken -= _seconds(self.less, self.fresh())
-        return taken / self.per
+        return taken, 0.0 if self.less is None else _seconds(self.less, self.fresh())
+
+    def spread(self, found: Sequence[tuple[float, float]]) -> Spread:
+        """What measurements come to. The least is that of each of the two: the least difference is one of noise."""
+        least = min(run for run, _ in found) - min(less for _, less in found)
+        return Spread.of([(run - less) / self.per for run, less in found])._replace(least=least / self.per)
 
 
 class Spread(NamedTuple):
@@ -75,7 +80,7 @@ def measure(cases: Mapping[str, Case], threads: Sequence[int], seconds: float) -
     for case in cases.values():
         case.seconds()
     todo = [(name, count) for name in cases for count in threads]
-    found: dict[tuple[str, int], list[float]] = {key: [] for key in todo}
+    found: dict[tuple[str, int], list[tuple[float, float]]] = {key: [] for key in todo}
     spent = dict.fromkeys(todo, 0.0)
     order = random.Random(2009)
     with several_threads() as use:
@@ -88,7 +93,7 @@ def measure(cases: Mapping[str, Case], threads: Sequence[int], seconds: float) -
                 found[key].append(cases[name].seconds())
                 spent[key] += time.perf_counter() - begin
             todo = [key for key in todo if len(found[key]) < LEAST or (spent[key] < seconds and len(found[key]) < MOST)]
-    return {key: Spread.of(taken) for key, taken in found.items()}
+    return {key: cases[key[0]].spread(taken) for key, taken in found.items()}
 
 
 @contextmanager
@@ -111,6 +116,31 @@ def several_threads() -> Iterator[Callable[[int], None]]:
         numba.set_num_threads(before)
         if cv2 is not None:
             cv2.setNumThreads(before_cv2)
+
+
+class Elsewhere:
+    """How much of the processors other processes have used since this was made; only Linux tells."""
+
+    def __init__(self) -> None:
+        self.before = self._busy()
+
+    def __str__(self) -> str:
+        if self.before is None or (now := self._busy()) is None:
+            return "unknown"
+        busy, own, all_ = (b - a for a, b in zip(self.before, now, strict=True))
+        return f"{max(busy - own, 0) / max(all_, 0.01):.0%}"
+
+    @staticmethod
+    def _busy() -> tuple[float, float, float] | None:
+        """Seconds of all processors: in use, in use by this process, and there in all."""
+        stat = Path("/proc/stat")
+        if not stat.exists():
+            return None
+        ticks = [int(field) for field in stat.read_text(encoding="ascii").split("\n", 1)[0].split()[1:9]]
+        second = os.sysconf("SC_CLK_TCK")
+        own = os.times()
+        used = own.user + own.system + own.children_user + own.children_system
+        return (sum(ticks) - ticks[3] - ticks[4]) / second, used, sum(ticks) / second
 
 
 def thread_counts() -> tuple[int, ...]:

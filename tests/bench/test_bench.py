@@ -42,6 +42,7 @@ def test_a_run_writes_every_figure_as_json_and_as_a_table(tmp_path, capsys):
     shown = capsys.readouterr().out
     assert "ratio" in shown
     assert "the earlier time" in shown
+    assert "other processes" in shown
 
 
 @pytest.mark.parametrize(
@@ -98,7 +99,7 @@ def test_every_case_runs():
 def test_what_is_common_is_subtracted_and_iterations_are_counted(monkeypatch):
     clock = iter([0.0, 7.0, 10.0, 11.0])
     monkeypatch.setattr("flowabs_nodes.bench.timing.time.perf_counter", lambda: next(clock))
-    assert Case(lambda _: None, less=lambda _: None, per=3).seconds() == 2.0
+    assert Case(lambda _: None, less=lambda _: None, per=3).seconds() == (7.0, 1.0)
 
 
 def test_each_case_gets_a_fresh_input_on_each_number_of_threads():
@@ -110,6 +111,11 @@ def test_each_case_gets_a_fresh_input_on_each_number_of_threads():
     assert all(spread.rounds >= 3 for spread in taken.values())
 
 
+def test_the_least_is_of_what_ran_and_not_of_differences():
+    case = Case(lambda _: None, less=lambda _: None, per=2)
+    assert case.spread([(7.0, 1.0), (8.0, 6.0), (6.0, 2.0)]) == Spread(2.0, 1.5, 2.5, 2.5, 3)
+
+
 def test_spread():
     assert Spread.of([5.0, 1.0, 2.0, 4.0, 3.0]) == Spread(3.0, 2.0, 4.0, 1.0, 5)
     assert Spread.of([2.0]).times(10) == Spread(20.0, 20.0, 20.0, 20.0, 1)
@@ -119,9 +125,9 @@ def test_ratios_are_of_the_same_figures_only(tmp_path):
     row = Row.of("stage", "fdog", (40, 32), 1, "ns/px", Spread(10.0, 9.0, 11.0, 8.0, 3))
     other = Row.of("stage", "fill", (40, 32), 1, "ns/px", Spread(10.0, 9.0, 11.0, 8.0, 3))
     file = tmp_path / "earlier.json"
-    file.write_text(to_json([replace(row, median=20.0), replace(other, width=41)]), encoding="utf-8")
+    file.write_text(to_json([replace(row, least=16.0), replace(other, width=41)]), encoding="utf-8")
     shown = table([row, other], {}, from_json(file)).splitlines()
-    assert next(line for line in shown if line.startswith("fdog")).endswith("10.00  20%  0.50x")
+    assert next(line for line in shown if line.startswith("fdog")).endswith("10.00  20%    8.00  0.50x")
     assert next(line for line in shown if line.startswith("fill")).endswith("-")
     assert shown[-1].startswith("stages and pipelines: 0.50x the earlier time (1 figures")
 
