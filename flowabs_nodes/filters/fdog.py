@@ -95,33 +95,38 @@ class Detector:
         )
 
     def response(self, image: Array, flow: Array) -> Array:
-        """H of a picture (H, W, 4)."""
+        """H of a picture (H, W, 1 or 4)."""
+        if self.color_weight == 0:
+            image = records(np.ascontiguousarray(image[..., 0]))
         if self.full:
             responses = _full(image, flow, self.taps, self.weights, self.sampling)
         else:
             responses = along(across(image, flow, self.taps), flow, self.weights, self.sampling)
-        height, width, _ = image.shape
-        joined = np.empty((height, width), np.float32)
+        if self.color_weight == 0:
+            return np.ascontiguousarray(responses[..., 0])
+        joined = np.empty(image.shape[:2], np.float32)
         _join(responses, np.float32(self.color_weight), joined)
         return joined
 
 
 @parallel_kernel
 def _join(responses: Any, weight: Any, joined: Any) -> None:
-    """H of all channels together; the first alone where the others have no weight."""
+    """H of all channels together."""
     for y in prange(joined.shape[0]):
         _join_row(responses[y], weight, joined[y])
 
 
 @kernel
 def _join_row(responses: Any, weight: Any, joined: Any) -> None:
+    is_color = responses.shape[1] > 1
     for x in range(u(joined.size)):
         d = responses[x, u(0)]
-        a, b = weight * responses[x, u(1)], weight * responses[x, u(2)]
+        a = weight * responses[x, u(1)] if is_color else np.float32(0.0)
+        b = weight * responses[x, u(2)] if is_color else np.float32(0.0)
         # tanh(2 |d|) = (1 - e) / (1 + e) with e = exp(-4 |d|)
         e = exp2(np.float32(-4 * LOG2_E) * abs(d))
         strength = (np.float32(1.0) - e) / (np.float32(1.0) + e) * np.sqrt(d * d + a * a + b * b)
-        joined[x] = d if weight == 0 else (-strength if d < 0 else strength)
+        joined[x] = -strength if d < 0 else strength
 
 
 def _full(
@@ -135,15 +140,24 @@ def _full(
 
 @parallel_kernel
 def _full_rows(image: Any, flow: Any, taps: Any, weights: Any, to_nearest: bool, result: Any) -> None:
-    height, width, _ = image.shape
+    height, width, channels = image.shape
     source, tangents, target = image.reshape(-1), flow.reshape(-1), result.reshape(-1)
     for y in prange(height):
-        _full_row(source, tangents, taps, weights, to_nearest, np.int64(y), width, height, target)
+        _full_row(source, channels, tangents, taps, weights, to_nearest, np.int64(y), width, height, target)
 
 
 @kernel
 def _full_row(
-    image: Any, flow: Any, taps: Any, weights: Any, to_nearest: bool, y: int, width: int, height: int, result: Any
+    image: Any,
+    channels: int,
+    flow: Any,
+    taps: Any,
+    weights: Any,
+    to_nearest: bool,
+    y: int,
+    width: int,
+    height: int,
+    result: Any,
 ) -> None:
     walk = new_walk()
     centre_x, centre_y = scratch(np.float64, 1), scratch(np.float64, 1)
@@ -152,7 +166,8 @@ def _full_row(
     values, total = scratch(np.float32, 4), scratch(np.float32, 4)
     for x in range(0, width, COLUMNS):
         block = Block(x, y, u(min(COLUMNS, width - x)), width, height)
-        for k in range(u(4) * block.size):
+        first, size = u(channels) * first_pixel(block), u(channels) * block.size
+        for k in range(size):
             total[k] = np.float32(0.0)
         for way in range(2):
             start(walk, flow, way, block)
@@ -169,10 +184,9 @@ def _full_row(
                         dx[i] = centre_x[i] + n * np.float64(walk.ty[i])
                         dy[i] = centre_y[i] - n * np.float64(walk.tx[i])
                     find(dx, dy, between, block)
-                    read_between(image, between, values, block)
+                    read_between(image, between, values, block, channels)
                     weight = weights[u(s)] * taps[u(abs(n))]
-                    for k in range(u(4) * block.size):
+                    for k in range(size):
                         total[k] += weight * values[k]
-        first = u(4) * first_pixel(block)
-        for k in range(u(4) * block.size):
+        for k in range(size):
             result[first + k] = total[k]

@@ -54,7 +54,7 @@ def flow_blur(image: npt.ArrayLike, flow: npt.ArrayLike, sigma: float = 2.0, sam
 
 
 def along(image: Array, flow: Array, weights: npt.NDArray[np.float64], sampling: str) -> Array:
-    """The weighted sum of ``image`` (H, W, 4) over the curve c_x of each pixel (eq. 11).
+    """The weighted sum of ``image`` (H, W, 1 or 4) over the curve c_x of each pixel (eq. 11).
 
     ``weights`` are those of the steps 0, 1 .. to either side.
     """
@@ -65,32 +65,40 @@ def along(image: Array, flow: Array, weights: npt.NDArray[np.float64], sampling:
 
 @parallel_kernel
 def _along(image: Any, flow: Any, weights: Any, to_nearest: bool, result: Any) -> None:
-    height, width, _ = image.shape
+    height, width, channels = image.shape
     source, tangents, target = image.reshape(-1), flow.reshape(-1), result.reshape(-1)
     for y in prange(height):
-        _along_row(source, tangents, weights, to_nearest, np.int64(y), width, height, target)
+        _along_row(source, channels, tangents, weights, to_nearest, np.int64(y), width, height, target)
 
 
 @kernel
 def _along_row(
-    image: Any, flow: Any, weights: Any, to_nearest: bool, y: int, width: int, height: int, result: Any
+    image: Any,
+    channels: int,
+    flow: Any,
+    weights: Any,
+    to_nearest: bool,
+    y: int,
+    width: int,
+    height: int,
+    result: Any,
 ) -> None:
     walk, between, values, total = new_walk(), new_between(), scratch(np.float32, 4), scratch(np.float32, 4)
     for x in range(0, width, COLUMNS):
         block = Block(x, y, u(min(COLUMNS, width - x)), width, height)
-        first = u(4) * first_pixel(block)
-        for k in range(u(4) * block.size):
+        first, size = u(channels) * first_pixel(block), u(channels) * block.size
+        for k in range(size):
             total[k] = weights[u(0)] * image[first + k]
         for way in range(2):
             start(walk, flow, way, block)
             for s in range(1, weights.size):
                 step(walk, flow, block)
                 if to_nearest:
-                    read(image, walk.pixel, values, block)
+                    read(image, walk.pixel, values, block, channels)
                 else:
                     find(walk.dx, walk.dy, between, block)
-                    read_between(image, between, values, block)
-                for k in range(u(4) * block.size):
+                    read_between(image, between, values, block, channels)
+                for k in range(size):
                     total[k] += weights[u(s)] * values[k]
-        for k in range(u(4) * block.size):
+        for k in range(size):
             result[first + k] = total[k]

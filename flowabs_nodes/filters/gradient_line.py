@@ -24,7 +24,7 @@ def line(flow: Any, n: int, dx: Any, dy: Any, block: Block) -> None:
 
 
 def across(image: Array, flow: Array, taps: npt.NDArray[np.float64]) -> Array:
-    """Eq. 10: the weighted sum of ``image`` (H, W, 4) over the gradient axis of each pixel, read bilinearly.
+    """Eq. 10: the weighted sum of ``image`` (H, W, 1 or 4) over the gradient axis of each pixel, read bilinearly.
 
     ``taps`` are the weights f of the steps 0, 1 .. to either side.
     """
@@ -35,27 +35,27 @@ def across(image: Array, flow: Array, taps: npt.NDArray[np.float64]) -> Array:
 
 @parallel_kernel
 def _across(image: Any, flow: Any, taps: Any, result: Any) -> None:
-    height, width, _ = image.shape
+    height, width, channels = image.shape
     source, tangents, target = image.reshape(-1), flow.reshape(-1), result.reshape(-1)
     for y in prange(height):
-        _across_row(source, tangents, taps, np.int64(y), width, height, target)
+        _across_row(source, channels, tangents, taps, np.int64(y), width, height, target)
 
 
 @kernel
-def _across_row(image: Any, flow: Any, taps: Any, y: int, width: int, height: int, result: Any) -> None:
+def _across_row(image: Any, channels: int, flow: Any, taps: Any, y: int, width: int, height: int, result: Any) -> None:
     dx, dy = scratch(np.float64, 1), scratch(np.float64, 1)
     between, values, total = new_between(), scratch(np.float32, 4), scratch(np.float32, 4)
     for x in range(0, width, COLUMNS):
         block = Block(x, y, u(min(COLUMNS, width - x)), width, height)
-        first = u(4) * first_pixel(block)
-        for k in range(u(4) * block.size):
+        first, size = u(channels) * first_pixel(block), u(channels) * block.size
+        for k in range(size):
             total[k] = taps[u(0)] * image[first + k]
         for side in range(2):
             for n in range(1, taps.size):
                 line(flow, n if side == 0 else -n, dx, dy, block)
                 find(dx, dy, between, block)
-                read_between(image, between, values, block)
-                for k in range(u(4) * block.size):
+                read_between(image, between, values, block, channels)
+                for k in range(size):
                     total[k] += taps[u(n)] * values[k]
-        for k in range(u(4) * block.size):
+        for k in range(size):
             result[first + k] = total[k]

@@ -3,9 +3,9 @@
 Points are offsets from the pixels of a block, in float64, so that how they round does not depend on where the pixel
 lies. They may lie anywhere: their coordinates are clamped to the picture, which repeats its border.
 
-Pictures are :func:`records`, four floats a pixel whatever their number of channels: one 128-bit load fetches four
-floats as fast as one, and no faster way was found to read at scattered places than one load a pixel (gathers are
-slower).
+Pictures are :func:`records`: one float a pixel, or four whatever their number of channels, because one 128-bit load
+fetches four floats as fast as one. No faster way was found to read at scattered places than one load a pixel (gathers
+are slower).
 """
 
 from __future__ import annotations
@@ -32,12 +32,16 @@ class Between(NamedTuple):
 
 
 def records(image: Array) -> Array:
-    """(H, W) or (H, W, C) with up to four channels as (H, W, 4), the last ones 0."""
+    """(H, W) or (H, W, C) with up to four channels as (H, W, 1) or, the last ones 0, (H, W, 4).
+
+    Pictures one pixel wide are (H, W, 4): of one channel, readings take in the neighbour on the right.
+    """
     channels = image if image.ndim == 3 else image[..., None]
-    if channels.shape[2] == 4:
+    _, width, count = channels.shape
+    if count == 4 or (count == 1 and width > 1):
         return channels
     result = np.zeros((*channels.shape[:2], 4), np.float32)
-    result[..., : channels.shape[2]] = channels
+    result[..., :count] = channels
     return result
 
 
@@ -81,20 +85,35 @@ def find(dx: Any, dy: Any, between: Between, block: Block) -> None:
 
 
 @inline
-def read(image: Any, pixel: Any, values: Any, block: Block) -> None:
+def read(image: Any, pixel: Any, values: Any, block: Block, channels: int = 4) -> None:
     """``values``: the records of ``image`` at ``pixel``."""
-    for i in range(block.size):
-        _copy(values, u(4) * i, image, u(4) * u(np.uint32(pixel[i])), 4)
+    if channels == 1:
+        for i in range(block.size):
+            _copy(values, i, image, u(np.uint32(pixel[i])), 1)
+    else:
+        for i in range(block.size):
+            _copy(values, u(4) * i, image, u(4) * u(np.uint32(pixel[i])), 4)
 
 
 @inline
-def read_between(image: Any, between: Between, values: Any, block: Block) -> None:
+def read_between(image: Any, between: Between, values: Any, block: Block, channels: int = 4) -> None:
     """``values``: the records of ``image``, bilinearly."""
     right = u(4 if block.width > 1 else 0)
-    below = u(4 * block.width if block.height > 1 else 0)
-    for i in range(block.size):
-        j = u(4) * u(np.uint32(between.pixel[i]))
-        _blend(values, u(4) * i, image, j, right, below, between.fx[i], between.fy[i])
+    below = u(channels * block.width if block.height > 1 else 0)
+    if channels == 1:
+        around = scratch(np.float32, 4)
+        for i in range(block.size):
+            j = u(np.uint32(between.pixel[i]))
+            _copy(around, u(4) * i, image, j, 2)
+            _copy(around, u(4) * i + u(2), image, j + below, 2)
+        for i in range(block.size):
+            a, b, c, d = around[u(4) * i], around[u(4) * i + u(1)], around[u(4) * i + u(2)], around[u(4) * i + u(3)]
+            upper, lower = a + between.fx[i] * (b - a), c + between.fx[i] * (d - c)
+            values[i] = upper + between.fy[i] * (lower - upper)
+    else:
+        for i in range(block.size):
+            j = u(4) * u(np.uint32(between.pixel[i]))
+            _blend(values, u(4) * i, image, j, right, below, between.fx[i], between.fy[i])
 
 
 @inline

@@ -127,3 +127,14 @@ def test_errors_name_the_argument(arguments, parameter):
     with pytest.raises(ArgumentError, match=parameter) as error:
         fdog(**({"code": np.zeros((4, 5)), "flow": np.zeros((4, 5, 2))} | arguments))
     assert error.value.parameter == parameter
+
+
+@pytest.mark.parametrize("sampling", SAMPLINGS)
+@pytest.mark.parametrize("kernel", ["separable", "full"])
+@pytest.mark.parametrize("shape", THIN)
+def test_one_channel_is_read_like_many(shape, kernel, sampling):
+    code = np.random.default_rng(2).uniform(0, 255, (*shape, 1)).astype(np.float32)
+    flow = random_flow(shape, 3)
+    grey = np.concatenate([code, np.zeros((*shape, 2), np.float32)], -1)
+    alone, among = (fdog(c, flow, color_weight=1, kernel=kernel, sampling=sampling) for c in (code[..., 0], grey))
+    np.testing.assert_allclose(alone, among, rtol=0, atol=1e-5)
