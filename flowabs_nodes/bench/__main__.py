@@ -107,7 +107,7 @@ def _scaling(size: tuple[int, int], seconds: float) -> list[Row]:
     most = thread_counts()[-1]
     return [
         *scaling.sweeps(size, seconds),
-        *scaling.pixels(most, seconds),
+        *scaling.pixels(seconds),
         *scaling.threads(size, most, seconds),
     ]
 

@@ -22,6 +22,7 @@ from flowabs_nodes.bench.timing import Spread
 from flowabs_nodes.errors import CommandError
 
 FORMAT = "flowabs.bench/1"
+ENVIRONMENT = ("FLOWABS_SIMD", "NUMBA_CPU_NAME", "NUMBA_NUM_THREADS", "NUMBA_THREADING_LAYER", "OMP_WAIT_POLICY")
 Key = tuple[str, str, int, int, int, float | None]
 
 
@@ -100,6 +101,7 @@ def machine() -> dict[str, Any]:
         "system": platform.platform(),
         "python": platform.python_version(),
         "flowabs": flowabs_nodes.__version__,
+        **{name: os.environ[name] for name in ENVIRONMENT if name in os.environ},
         **{package: _version(package) for package in ("numba", "llvmlite", "numpy", "opencv-python-headless")},
     }
 
@@ -169,7 +171,7 @@ def _scaling(rows: Sequence[Row], before: Mapping[Key, Row]) -> str:
         sweep = [row for row in rows if row.name == name]
         lines.append(f"{name}, {sweep[0].unit}")
         lines += [f"{row.value or 0:10g}{_figure(row, before)}" for row in sweep]
-        if sweep[0].threads == 1 and name != "P threads" and len(sweep) > 2:
+        if len(sweep) > 2 and not name.startswith("P "):  # lengths: their cost is a straight line, or should be
             from flowabs_nodes.gallery.speed import fit
 
             line = fit([row.value or 0 for row in sweep], [row.least for row in sweep])

@@ -143,7 +143,7 @@ def test_shares_are_of_the_pipeline():
 
 def test_scaling_measures_every_value_and_fits_a_line(monkeypatch):
     monkeypatch.setattr(scaling, "SWEEPS", {"blur sigma": ((1, 2, 4), scaling.SWEEPS["blur sigma"][1])})
-    rows = [*scaling.sweeps((40, 32), 0), *scaling.pixels(1, 0, sides=(24, 40)), *scaling.threads((40, 32), 1, 0)]
+    rows = [*scaling.sweeps((40, 32), 0), *scaling.pixels(0, sides=(24, 40)), *scaling.threads((40, 32), 1, 0)]
     found = [(row.name, row.value) for row in rows]
     assert found == [
         ("blur sigma", 1),
