@@ -35,13 +35,13 @@ def in_turn(codes: Array, alpha: Array, passes: list[Callable[[Array, Array], No
     A pass fills its second argument from the first. Pixels are (alpha L, alpha a, alpha b, alpha) there, so that
     bilinear readings mix colours by how much is there of each.
     """
-    picture, smoothed = np.empty((2, *codes.shape[:2], 4), np.float32)
+    picture, smoothed = (np.empty((*codes.shape[:2], 4), np.float32) for _ in range(2))
     _multiply(codes, alpha, picture)
     for _ in range(iterations):
         for smooth in passes:
             smooth(picture, smoothed)
             picture, smoothed = smoothed, picture
-    result = np.empty_like(codes)
+    result = smoothed.reshape(-1)[: codes.size].reshape(codes.shape)  # its memory is free now
     _divide(picture, codes, result)
     return result
 
