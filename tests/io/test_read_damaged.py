@@ -110,9 +110,9 @@ WINDOWS = {
 def test_header_bombs(tmp_path: Path, name: str) -> None:
     path = tmp_path / "bomb.exr"
     path.write_bytes(raw_header(WINDOWS[name], [(c, 1, 1) for c in "RGBA"]) + bytes(4096))
-    start = time.perf_counter()
+    start = time.process_time()
     refused(path)
-    assert time.perf_counter() - start < 1
+    assert time.process_time() - start < 5  # a hundredth of that when alone
 
 
 def test_a_small_file_of_a_large_picture(tmp_path: Path) -> None:

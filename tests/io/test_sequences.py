@@ -42,11 +42,11 @@ def test_fileseqs_stagger_is_refused_with_a_hint() -> None:
 
 
 def test_a_huge_range_is_refused_at_once() -> None:
-    start = time.perf_counter()
+    start = time.process_time()
     for text in ("1-1000000000", "1-999999999999999999", "1-900000,1000001-1900000"):
         with pytest.raises(CommandError, match="more than"):
             parse_frames(text)
-    assert time.perf_counter() - start < 1
+    assert time.process_time() - start < 5  # a tenth of that when alone; a list of all would take minutes
 
 
 @pytest.mark.parametrize("name", ["shot.####.exr", "shot.%04d.exr", "shot.$F4.exr", "shot.@@@@.exr"])
