@@ -179,7 +179,7 @@ def test_a_run_that_is_stopped_leaves_whole_frames_only(shot, number, code):
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         assert any("done" in line for line in process.stdout)
         process.send_signal(number)
-        _, err = process.communicate(timeout=60)
+        _, err = process.communicate(timeout=180)
     assert process.returncode == code
     assert "Traceback" not in err
     assert 1 <= len(names("made")) < 300
