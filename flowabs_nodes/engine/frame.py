@@ -6,6 +6,7 @@ import json
 import os
 import time
 import traceback
+from contextlib import ExitStack
 from typing import Any
 
 from flowabs_nodes.engine.evaluate import Evaluation
@@ -16,8 +17,10 @@ from flowabs_nodes.engine.plan import Unit, make_plan
 from flowabs_nodes.engine.report import FrameReport, Note, Status
 from flowabs_nodes.engine.sources import contents, find_sources
 from flowabs_nodes.errors import FlowabsError, WriteError
+from flowabs_nodes.io.claims import Claim, claim
 from flowabs_nodes.io.hashing import content_hash
 from flowabs_nodes.io.sequences import Sequence
+from flowabs_nodes.io.settings import checked
 from flowabs_nodes.io.write import is_whole, save, stored_key
 
 
@@ -66,17 +69,21 @@ def _make(
         return "skipped"
 
     document = json.dumps(graph.document)
+    claims: dict[str, Claim] = {}
 
     def write(node: str, made: Any) -> None:
         def warn(text: str) -> None:
             notes.append(Note(text, node, warning=True))
 
         for path in stale[node]:
-            key = keys[Unit(node, frame)]
-            save(made["picture"], path, key=key, graph=document, settings=job.settings, warn=warn)
+            key, claimed = keys[Unit(node, frame)], claims[path]
+            save(made["picture"], path, key=key, graph=document, settings=job.settings, claimed=claimed, warn=warn)
 
     evaluation.on_delivery = write
-    evaluation.run(make_plan(graph, frame, sinks=stale), {})
+    with ExitStack() as held:  # from before the filtering: another run that comes to this frame must not do it as well
+        for path in (path for paths in stale.values() for path in paths):
+            claims[path] = held.enter_context(claim(checked(path, job.settings)))
+        evaluation.run(make_plan(graph, frame, sinks=stale), {})
     return "done"
 
 

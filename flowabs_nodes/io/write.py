@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from contextlib import nullcontext
 
 from flowabs_nodes.errors import FlowabsError, WriteError
 from flowabs_nodes.io import formats
@@ -28,19 +29,21 @@ def save(
     key: str = "",
     graph: str = "",
     settings: Settings | None = None,
+    claimed: Claim | None = None,
     warn: Callable[[str], None] = lambda text: None,
 ) -> None:
     """Write a picture in the format of the file's extension: EXR, PNG or TIFF.
 
     ``key`` and ``graph`` are stored in the file (:func:`stored_key`). An existing file is replaced in one step.
+    ``claimed`` is a claim on the path that the caller holds already, and lets go; else one is made for the writing.
     Raises ClaimedError where somebody else is writing it, WriteError for all else; then no temporary is left, and at
     ``path`` is what was there before.
     """
     name = checked(path, settings or picture.settings)
     try:
         kind = formats.to_write(name)
-        with claim(name) as claimed:
-            _write(picture, kind, claimed, {stamp: text for stamp, text in ((KEY, key), (GRAPH, graph)) if text}, warn)
+        with nullcontext(claimed) if claimed else claim(name) as held:
+            _write(picture, kind, held, {stamp: text for stamp, text in ((KEY, key), (GRAPH, graph)) if text}, warn)
     except FlowabsError as error:
         error.at(file=os.fspath(name))
         raise

@@ -11,11 +11,14 @@ import OpenImageIO as oiio
 import pytest
 
 from flowabs_nodes import engine
+from flowabs_nodes.engine import evaluate as evaluate_module
 from flowabs_nodes.engine import frame as frame_module
+from flowabs_nodes.engine.apply import apply
 from flowabs_nodes.engine.frame import run_frame
 from flowabs_nodes.engine.prepare import prepare
 from flowabs_nodes.engine.stop import stop_on_signals
 from flowabs_nodes.errors import CommandError, FlowabsError, WriteError
+from flowabs_nodes.io.claims import HOST, claim
 from flowabs_nodes.io.settings import Settings
 from flowabs_nodes.nodes.declare import Param
 from tests.engine.sequences import document, graph_around, pixels, plate, plates
@@ -61,6 +64,31 @@ def test_a_single_picture_is_frame_one(tmp_path):
     report = run(plate(tmp_path / "a.exr"), tmp_path / "b.exr")
     assert statuses(report) == [(1, "done")]
     assert report.frames[0].files == (str(tmp_path / "b.exr"),)
+
+
+def test_a_frame_that_another_run_has_claimed_is_refused_before_any_filtering(shot, out):
+    with claim(out.replace("####", "0002")):
+        report = run(shot, out)
+    assert statuses(report) == [(1, "done"), (2, "failed"), (3, "done")]
+    assert codes(report) == {2: "claimed"}
+    assert f"being written by {HOST}" in str(report.frames[1].error)
+    assert set(report.frames[1].timings) == {"(keys)"}, "no node ran"
+    assert report.exit_code == 1
+    assert statuses(run(shot, out)) == [(1, "skipped"), (2, "done"), (3, "skipped")]
+
+
+def test_a_frame_is_claimed_while_its_nodes_run(shot, out, tmp_path, monkeypatch):
+    seen = []
+
+    def looks(*arguments, **options):
+        seen.append(leftovers(tmp_path))
+        return apply(*arguments, **options)
+
+    monkeypatch.setattr(evaluate_module, "apply", looks)
+    run(shot, out, frames=2)
+    assert seen
+    assert all([path.name.startswith(".toon.0002.exr.") for path in found] == [True] for found in seen)
+    assert not leftovers(tmp_path)
 
 
 def test_events(shot, out):
