@@ -92,11 +92,11 @@ def _color_tags(picture: Picture, header: dict[str, Any]) -> dict[str, Any]:
     """What the file says about its colours: what the plate said, unless that is no longer true."""
     if picture.colorspace != "plate":
         header.pop("chromaticities", None)
-        return exr_header.color_tags(picture.colorspace)
+        return exr_header.named_color_tags(picture.colorspace, picture.settings.ocio)
     encoded = color.detect(picture.image.spec, ocio=picture.settings.ocio).encoding is not None
     if (encoded or not picture.plate_is_exr) and picture.image.type == "color":
         header.pop("chromaticities", None)
-        return exr_header.color_tags(picture.image.colorspace.name)
+        return exr_header.color_tags(picture.image.colorspace)
     return {}
 
 

@@ -9,6 +9,8 @@ import numpy as np
 import OpenEXR
 import OpenImageIO as oiio
 
+from flowabs_nodes import color
+from flowabs_nodes.color import ColorSpace, named
 from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.image import Image, Window
 from flowabs_nodes.io import attributes, formats
@@ -85,13 +87,22 @@ def _box(window: Window) -> tuple[Any, Any]:
     return low, np.array([window.x + window.width - 1, window.y + window.height - 1], np.int32)
 
 
-def color_tags(name: str) -> dict[str, Any]:
-    """``colorInteropID``, and chromaticities where the name is a linear space that OpenEXR knows."""
-    if name.startswith("chromaticities("):
-        return {"chromaticities": tuple(float(number) for number in name[len("chromaticities(") : -1].split(","))}
-    interop = "lin_rec709_scene" if name == "lin_rec709" else name
-    known = OpenEXR.colorInteropIDToChromaticities(interop)
-    return {"colorInteropID": interop} | ({"chromaticities": known} if known else {})
+def color_tags(space: ColorSpace) -> dict[str, Any]:
+    """Of a linear space: its ``colorInteropID``, and the chromaticities that readers without that name go by."""
+    tags: dict[str, Any] = {}
+    if not space.name.startswith("chromaticities("):
+        tags["colorInteropID"] = space.interop_id or space.name
+    chromaticities = color.chromaticities_of(space)
+    return tags | ({"chromaticities": chromaticities} if chromaticities else {})
+
+
+def named_color_tags(name: str, ocio: str | None) -> dict[str, Any]:
+    """Of any OCIO name, a linear space's alias or an encoding."""
+    found = named.find(name, ocio)
+    if found.kind == "linear":
+        return color_tags(found.space)
+    known = OpenEXR.colorInteropIDToChromaticities(name)
+    return {"colorInteropID": name} | ({"chromaticities": known} if known else {})
 
 
 def lossless(compression: str, types: set[str]) -> bool:

@@ -59,7 +59,8 @@ def test_numbers_beyond_float32_are_not_finite():
 
 
 def test_the_largest_finite_pixels_are_finite():
-    arguments.plane("code", np.full((100, 100), np.finfo(np.float32).max))
+    largest = np.full((100, 100), np.finfo(np.float32).max)
+    np.testing.assert_array_equal(arguments.plane("code", largest), largest)
 
 
 def test_flow_has_to_fit_the_picture():

@@ -11,6 +11,7 @@ import OpenEXR
 import OpenImageIO as oiio
 import pytest
 
+from flowabs_nodes.color import space, spaces
 from flowabs_nodes.errors import ReadError, WriteError
 from flowabs_nodes.image import Image, Window
 from flowabs_nodes.io.read import read_data, read_image
@@ -366,13 +367,23 @@ def test_another_colour_space_is_converted_and_tagged(tmp_path: Path) -> None:
     matte = like(image, pixels[..., :1], "matte")
     out, _ = written(image, tmp_path / "out.exr", colorspace="ACEScg", layers={"lines": matte})
     header = OpenEXR.File(str(out), header_only=True).header()
-    assert header["colorInteropID"] in ("ACEScg", "lin_ap1_scene")
+    assert header["colorInteropID"] == "lin_ap1_scene"  # the standard name, whichever alias was asked for
+    np.testing.assert_allclose(header["chromaticities"], (0.713, 0.293, 0.165, 0.83, 0.128, 0.044, 0.32168, 0.33767))
     back = read_image(out)
     assert back.colorspace.name == "lin_ap1_scene"
     assert np.abs(back.pixels - image.pixels)[..., :3].max() > 0.01
     np.testing.assert_array_equal(native(out)["lines.Y"], pixels[..., 0])  # no colour, no conversion
     again, _ = written(back, tmp_path / "again.exr", colorspace="ACES2065-1")
     np.testing.assert_allclose(read_image(again).pixels, image.pixels, atol=1e-5)
+
+
+def test_an_encoding_keeps_its_own_name(tmp_path: Path) -> None:
+    out, _ = written(Image.from_array(colors()), tmp_path / "log.exr", colorspace="ACEScct")
+    assert OpenEXR.File(str(out), header_only=True).header()["colorInteropID"] == "ACEScct"
+    back = read_image(out)  # in the primaries of that encoding
+    assert back.colorspace.name == "lin_ap1_scene"
+    rgb = spaces.convert(back.pixels, back.colorspace, space("lin_rec709"))
+    np.testing.assert_allclose(rgb, colors(), rtol=2e-2, atol=2e-2)  # half floats of a log encoding
 
 
 def test_a_part_of_a_file_becomes_a_file(tmp_path: Path) -> None:
