@@ -1,0 +1,185 @@
+"""The vector layer against NumPy: every operation on sixteen numbers at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from numba import njit
+
+from flowabs_nodes.filters import vector
+from flowabs_nodes.filters.vector import LANES, lane_numbers, load, select, store
+
+RANDOM = np.random.default_rng(16)
+X, Y = (RANDOM.normal(0, 30, LANES).astype(np.float32) for _ in range(2))
+I, J = (RANDOM.integers(-1000, 1000, LANES).astype(np.int32) for _ in range(2))
+
+
+def kernel(operation: Callable[..., Any]) -> Callable[..., np.ndarray]:
+    """``operation`` on vectors as a function of arrays of sixteen."""
+    operation = njit(error_model="numpy")(operation)
+
+    @njit(error_model="numpy")
+    def calculate(x: Any, y: Any, out: Any) -> None:
+        store(out, 0, operation(load(x, 0), load(y, 0)))
+
+    def run(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        out = np.zeros_like(x)
+        calculate(x, y, out)
+        return out
+
+    return run
+
+
+@pytest.mark.parametrize(
+    "operation",
+    [
+        lambda x, y: x + y,
+        lambda x, y: x - 2.5,
+        lambda x, y: 3 * y,
+        lambda x, y: 1.0 / y,
+        lambda x, y: -x,
+    ],
+)
+def test_arithmetic_of_floats(operation: Callable[..., Any]) -> None:
+    np.testing.assert_allclose(kernel(operation)(X, Y), operation(X, Y), rtol=1e-7)
+
+
+@pytest.mark.parametrize(
+    "operation",
+    [
+        lambda i, j: i + j,
+        lambda i, j: i - 7,
+        lambda i, j: i * j,
+        lambda i, j: i & j,
+        lambda i, j: i | 12,
+        lambda i, j: i ^ j,
+        lambda i, j: i << 3,
+        lambda i, j: i >> 2,
+        lambda i, j: -j,
+    ],
+)
+def test_arithmetic_of_ints(operation: Callable[..., Any]) -> None:
+    np.testing.assert_array_equal(kernel(operation)(I, J), operation(I, J))
+
+
+@pytest.mark.parametrize(
+    "compare",
+    [
+        lambda x, y: x < y,
+        lambda x, y: x <= y,
+        lambda x, y: x > 3,
+        lambda x, y: x >= y,
+        lambda x, y: x == y,
+        lambda x, y: (x < y) & (x > 0),
+        lambda x, y: (x < y) | (x > 0),
+    ],
+)
+def test_comparisons_choose_lanes(compare: Callable[..., Any]) -> None:
+    compiled = njit(compare)
+    choose = kernel(lambda x, y: select(compiled(x, y), x, y + 1))
+    for x, y in ((X, Y), (X, X), (I, J), (I, I)):
+        np.testing.assert_array_equal(choose(x, y), np.where(compare(x, y), x, y + x.dtype.type(1)))
+
+
+HALVES = np.arange(-8, 8).astype(np.float32) / 2
+
+
+@pytest.mark.parametrize(
+    ("operation", "expected"),
+    [
+        (lambda x, _: vector.floor(x), np.floor),
+        (lambda x, _: vector.rint(x), np.rint),
+        (lambda x, _: vector.absolute(x), np.abs),
+        (lambda x, _: vector.sqrt(vector.absolute(x)), lambda x: np.sqrt(np.abs(x))),
+        (lambda x, _: vector.to_floats(vector.to_ints(x)), np.trunc),
+        (lambda x, _: vector.from_bits(vector.bits_of(x)), lambda x: x),
+        (lambda x, _: vector.minimum(x, 1), lambda x: np.minimum(x, 1)),
+        (lambda x, _: vector.maximum(x, 1), lambda x: np.maximum(x, 1)),
+    ],
+)
+def test_functions(operation: Callable[..., Any], expected: Callable[..., Any]) -> None:
+    run = kernel(operation)
+    for x in (X, HALVES):
+        np.testing.assert_array_equal(run(x, x), expected(x))
+
+
+def test_exp2() -> None:
+    """Its bound; and far below, nothing."""
+    exp2 = kernel(lambda x, _: vector.exp2(x))
+    for x in np.concatenate([-np.logspace(-30, np.log10(125), 320), [0] * LANES]).reshape(-1, LANES).astype(np.float32):
+        np.testing.assert_allclose(exp2(x, x), 2.0 ** x.astype(np.float64), rtol=4e-6)
+    far = -np.logspace(np.log10(127), 38, LANES).astype(np.float32)
+    assert (exp2(far, far) >= 0).all()
+    assert (exp2(far, far) <= 2.0**-125).all()
+
+
+PICTURE = np.arange(100, dtype=np.float32) ** 2
+PLACES = RANDOM.integers(0, 96, LANES).astype(np.int32)
+
+
+@njit
+def _read_at_places(picture: Any, places: Any, out: Any) -> None:
+    i = load(places, 0)
+    store(out, 0, vector.gather(picture, i))
+    for k, each in enumerate(vector.pairs(picture, i)):
+        store(out, 16 + 16 * k, each)
+    for k, each in enumerate(vector.quads(picture, i)):
+        store(out, 48 + 16 * k, each)
+
+
+def test_reading_at_scattered_places() -> None:
+    out = np.zeros(7 * LANES, np.float32)
+    _read_at_places(PICTURE, PLACES, out)
+    offsets = [0, 0, 1, 0, 1, 2, 3]
+    np.testing.assert_array_equal(out.reshape(7, LANES), [PICTURE[PLACES + k] for k in offsets])
+
+
+@njit
+def _take_apart(records: Any, out: Any, again: Any) -> None:
+    pairs, triples = vector.load_pairs(records, 1), vector.load_triples(records, 1)
+    quads = vector.load_quads(records, 1)
+    for k in range(2):
+        store(out, 16 * k, pairs[k])
+    for k in range(3):
+        store(out, 32 + 16 * k, triples[k])
+    for k in range(4):
+        store(out, 80 + 16 * k, quads[k])
+    vector.store_pairs(again, 0, pairs)
+    vector.store_triples(again, 32, triples)
+    vector.store_quads(again, 80, quads)
+
+
+def test_neighbouring_records_come_apart_and_together() -> None:
+    out, again = np.zeros(9 * LANES, np.float32), np.zeros(9 * LANES, np.float32)
+    _take_apart(PICTURE, out, again)
+    first = 0
+    for size in (2, 3, 4):
+        last = first + size * LANES
+        records = PICTURE[1 : 1 + size * LANES]
+        np.testing.assert_array_equal(out[first:last].reshape(size, LANES), records.reshape(LANES, size).T)
+        np.testing.assert_array_equal(again[first:last], records)
+        first = last
+
+
+def test_look_up_in_a_table_of_sixteen() -> None:
+    np.testing.assert_array_equal(kernel(lambda table, i: vector.look_up(table, i))(I, J), I[J & 15])
+
+
+def test_lanes_are_numbered() -> None:
+    np.testing.assert_array_equal(kernel(lambda i, _: i * 0 + lane_numbers())(I, I), np.arange(LANES))
+
+
+@pytest.mark.parametrize("lane", [None, 0, 15])
+def test_any_lane(lane: int | None) -> None:
+    x = np.zeros(LANES, np.float32)
+    if lane is not None:
+        x[lane] = 1
+
+    @njit
+    def any_above(x: Any) -> bool:
+        return vector.any_lane(load(x, 0) > 0.5)
+
+    assert any_above(x) == (lane is not None)
