@@ -14,7 +14,7 @@ from flowabs_nodes.filters.vector import LANES, lane_numbers, load, select, stor
 
 RANDOM = np.random.default_rng(16)
 X, Y = (RANDOM.normal(0, 30, LANES).astype(np.float32) for _ in range(2))
-I, J = (RANDOM.integers(-1000, 1000, LANES).astype(np.int32) for _ in range(2))
+M, N = (RANDOM.integers(-1000, 1000, LANES).astype(np.int32) for _ in range(2))
 
 
 def kernel(operation: Callable[..., Any]) -> Callable[..., np.ndarray]:
@@ -62,7 +62,7 @@ def test_arithmetic_of_floats(operation: Callable[..., Any]) -> None:
     ],
 )
 def test_arithmetic_of_ints(operation: Callable[..., Any]) -> None:
-    np.testing.assert_array_equal(kernel(operation)(I, J), operation(I, J))
+    np.testing.assert_array_equal(kernel(operation)(M, N), operation(M, N))
 
 
 @pytest.mark.parametrize(
@@ -80,7 +80,7 @@ def test_arithmetic_of_ints(operation: Callable[..., Any]) -> None:
 def test_comparisons_choose_lanes(compare: Callable[..., Any]) -> None:
     compiled = njit(compare)
     choose = kernel(lambda x, y: select(compiled(x, y), x, y + 1))
-    for x, y in ((X, Y), (X, X), (I, J), (I, I)):
+    for x, y in ((X, Y), (X, X), (M, N), (M, M)):
         np.testing.assert_array_equal(choose(x, y), np.where(compare(x, y), x, y + x.dtype.type(1)))
 
 
@@ -165,11 +165,11 @@ def test_neighbouring_records_come_apart_and_together() -> None:
 
 
 def test_look_up_in_a_table_of_sixteen() -> None:
-    np.testing.assert_array_equal(kernel(lambda table, i: vector.look_up(table, i))(I, J), I[J & 15])
+    np.testing.assert_array_equal(kernel(lambda table, i: vector.look_up(table, i))(M, N), M[N & 15])
 
 
 def test_lanes_are_numbered() -> None:
-    np.testing.assert_array_equal(kernel(lambda i, _: i * 0 + lane_numbers())(I, I), np.arange(LANES))
+    np.testing.assert_array_equal(kernel(lambda i, _: i * 0 + lane_numbers())(M, M), np.arange(LANES))
 
 
 @pytest.mark.parametrize("lane", [None, 0, 15])
