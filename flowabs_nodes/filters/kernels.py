@@ -6,7 +6,32 @@ by rows, and no sum of floats crosses from one thread to another, so the number 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 from numba import njit
 
-kernel = njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-parallel_kernel = njit(parallel=True, cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+from flowabs_nodes.filters.kernel_cache import PACKAGE, KernelCache
+
+_compiled = njit(nogil=True, error_model="numpy", fastmath={"contract"})
+_parallel = njit(parallel=True, nogil=True, error_model="numpy", fastmath={"contract"})
+
+#: Small functions that kernels are made of: always inlined by LLVM, compiled once.
+inlined = njit(forceinline=True, error_model="numpy", fastmath={"contract"})
+
+
+def kernel(function: Callable[..., Any]) -> Any:
+    """A function of this package as a kernel: compiled when it is first called, or read from disk."""
+    return _kept(_compiled(function))
+
+
+def parallel_kernel(function: Callable[..., Any]) -> Any:
+    """A kernel that shares its ``prange`` among numba's threads."""
+    return _kept(_parallel(function))
+
+
+def _kept(dispatcher: Any) -> Any:
+    # Of functions elsewhere (a test's) the cache would not see a change.
+    if dispatcher.__module__.startswith(f"{PACKAGE}."):
+        dispatcher._cache = KernelCache(dispatcher.py_func)
+    return dispatcher

@@ -23,18 +23,16 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from llvmlite import ir  # type: ignore[import-untyped]
-from numba import njit, types
+from numba import types
 from numba.core import cgutils
 from numba.core.imputils import lower_builtin, lower_cast
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import intrinsic, models, register_model
 
+from flowabs_nodes.filters.kernels import inlined as inlined  # for whoever has everything from here
 from flowabs_nodes.filters.processor import PATH
 
 LANES = 16
-
-#: What kernels call for each sixteen pixels: always inlined by LLVM, compiled once.
-inlined = njit(forceinline=True, error_model="numpy", fastmath={"contract"})
 
 _I32, _I64, _F32, _F64 = ir.IntType(32), ir.IntType(64), ir.FloatType(), ir.DoubleType()
 _FLOATS, _INTS, _MASKS = (ir.VectorType(element, LANES) for element in (_F32, _I32, ir.IntType(1)))
