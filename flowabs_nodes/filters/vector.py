@@ -1,8 +1,8 @@
 """The vector layer: sixteen pixels at a time, as values that numba kernels calculate with.
 
-``floats``, ``ints`` and ``masks`` are sixteen float32, int32 or bits side by side. Kernels write ``a * b + 1.0`` or
-``select(a < b, a, b)`` and get vector instructions, where numba alone would have to be lucky. Numbers beside vectors
-stand for sixteen of them; ints do not turn into floats by themselves (:func:`to_floats`).
+``floats``, ``doubles``, ``ints`` and ``masks`` are sixteen float32, float64, int32 or bits side by side. Kernels write
+``a * b + 1.0`` or ``select(a < b, a, b)`` and get vector instructions, where numba alone would have to be lucky.
+Numbers beside vectors stand for sixteen of them; nothing turns into another kind by itself (:func:`to_floats`).
 
 Nearly everything here is LLVM's own vector language, which it translates for any processor, in pieces where registers
 are shorter than sixteen floats. Two operations, :func:`exp2` and :func:`look_up`, are other instructions where there is
@@ -35,7 +35,7 @@ from flowabs_nodes.filters.processor import PATH
 LANES = 16
 
 _I32, _I64, _F32, _F64 = ir.IntType(32), ir.IntType(64), ir.FloatType(), ir.DoubleType()
-_FLOATS, _INTS, _MASKS = (ir.VectorType(element, LANES) for element in (_F32, _I32, ir.IntType(1)))
+_FLOATS, _DOUBLES, _INTS, _MASKS = (ir.VectorType(element, LANES) for element in (_F32, _F64, _I32, ir.IntType(1)))
 _CONTRACT = ("contract",)
 
 
@@ -48,6 +48,7 @@ class Vector(types.Type):  # type: ignore[misc]
 
 
 floats = Vector("floats", types.float32, _FLOATS)
+doubles = Vector("doubles", types.float64, _DOUBLES)
 ints = Vector("ints", types.int32, _INTS)
 masks = Vector("masks", types.boolean, _MASKS)
 
@@ -77,7 +78,12 @@ def _from_number(context: Any, builder: Any, fromty: Any, toty: Any, value: Any)
 
 
 def _operator(function: Any, result: Callable[[Any], Any], **generators: Any) -> None:
-    """Declare ``function`` for vectors, how code for it is made given for ``floats``, ``ints`` or ``masks``."""
+    """Declare ``function`` for vectors, how code for it is made given for ``floats``, ``ints`` or ``masks``.
+
+    What is good for floats is good for doubles.
+    """
+    if "floats" in generators:
+        generators["doubles"] = generators["floats"]
 
     class Template(AbstractTemplate):  # type: ignore[misc]
         def generic(self, args: Any, kws: Any) -> Any:
@@ -182,11 +188,13 @@ _multiply_add = _call("llvm.fmuladd.v16f32", _FLOATS, _FLOATS, _FLOATS, _FLOATS)
 
 floor = _function([floats], floats, _floor)
 rint = _function([floats], floats, _call("llvm.rint.v16f32", _FLOATS, _FLOATS))  # half to even
-sqrt = _function([floats], floats, _call("llvm.sqrt.v16f32", _FLOATS, _FLOATS))
 absolute = _function([floats], floats, _call("llvm.fabs.v16f32", _FLOATS, _FLOATS))
 #: Whole numbers only; ``to_ints`` cuts off what comes after the point, and must be within int32.
 to_floats = _function([ints], floats, lambda b, x: b.sitofp(x, _FLOATS))
 to_ints = _function([floats], ints, lambda b, x: b.fptosi(x, _INTS))
+#: float32 as float64, which loses nothing, and back, to the nearest.
+to_doubles = _function([floats], doubles, lambda b, x: b.fpext(x, _DOUBLES))
+from_doubles = _function([doubles], floats, lambda b, x: b.fptrunc(x, _FLOATS))
 #: The same bits as another kind.
 bits_of = _function([floats], ints, lambda b, x: b.bitcast(x, _INTS))
 from_bits = _function([ints], floats, lambda b, x: b.bitcast(x, _FLOATS))
@@ -198,6 +206,13 @@ lane_numbers = _function([], ints, lambda b: ir.Constant(_INTS, list(range(LANES
 any_lane = _function(
     [masks], types.boolean, lambda b, x: b.icmp_unsigned("!=", b.bitcast(x, ir.IntType(16)), ir.IntType(16)(0))
 )
+
+
+@intrinsic
+def sqrt(typingctx: Any, x: Any) -> Any:
+    """Of floats or doubles."""
+    root = _call("llvm.sqrt.v16f32" if x is floats else "llvm.sqrt.v16f64", x.llvm, x.llvm)
+    return x(x), lambda context, builder, sig, values: root(builder, *values)
 
 
 @intrinsic

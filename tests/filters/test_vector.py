@@ -96,6 +96,7 @@ HALVES = np.arange(-8, 8).astype(np.float32) / 2
         (lambda x, _: vector.sqrt(vector.absolute(x)), lambda x: np.sqrt(np.abs(x))),
         (lambda x, _: vector.to_floats(vector.to_ints(x)), np.trunc),
         (lambda x, _: vector.from_bits(vector.bits_of(x)), lambda x: x),
+        (lambda x, _: vector.from_doubles(vector.to_doubles(x) * 3), lambda x: x * 3),
         (lambda x, _: vector.minimum(x, 1), lambda x: np.minimum(x, 1)),
         (lambda x, _: vector.maximum(x, 1), lambda x: np.maximum(x, 1)),
     ],
@@ -104,6 +105,20 @@ def test_functions(operation: Callable[..., Any], expected: Callable[..., Any]) 
     run = kernel(operation)
     for x in (X, HALVES):
         np.testing.assert_array_equal(run(x, x), expected(x))
+
+
+def test_doubles_are_exact_where_floats_are_not() -> None:
+    """And tell what a float is the nearest to."""
+
+    @njit(error_model="numpy")
+    def calculate(x: Any, out: Any) -> None:
+        one_more = vector.to_doubles(load(x, 0)) + 1.0
+        sum_of_squares = one_more * one_more - vector.sqrt(one_more) * vector.sqrt(one_more)
+        store(out, 0, vector.from_doubles(select(one_more > 1.0, sum_of_squares, one_more)))
+
+    x, out = 2.0 ** np.arange(-47, -31, dtype=np.float32), np.zeros(LANES, np.float32)
+    calculate(x, out)
+    np.testing.assert_allclose(out, x, rtol=0.1)  # (1 + x)^2 - (1 + x): 1 + x is just 1 in float32
 
 
 def test_exp2() -> None:
