@@ -19,6 +19,7 @@ sixteen floats from ``i`` on sees to it that they are there.
 from __future__ import annotations
 
 import operator
+import sys
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -188,7 +189,6 @@ _multiply_add = _call("llvm.fmuladd.v16f32", _FLOATS, _FLOATS, _FLOATS, _FLOATS)
 
 floor = _function([floats], floats, _floor)
 rint = _function([floats], floats, _call("llvm.rint.v16f32", _FLOATS, _FLOATS))  # half to even
-absolute = _function([floats], floats, _call("llvm.fabs.v16f32", _FLOATS, _FLOATS))
 #: Whole numbers only; ``to_ints`` cuts off what comes after the point, and must be within int32.
 to_floats = _function([ints], floats, lambda b, x: b.sitofp(x, _FLOATS))
 to_ints = _function([floats], ints, lambda b, x: b.fptosi(x, _INTS))
@@ -199,6 +199,7 @@ from_doubles = _function([doubles], floats, lambda b, x: b.fptrunc(x, _FLOATS))
 bits_of = _function([floats], ints, lambda b, x: b.bitcast(x, _INTS))
 from_bits = _function([ints], floats, lambda b, x: b.bitcast(x, _FLOATS))
 same_floats = _function([floats], floats, lambda b, x: x)
+same_doubles = _function([doubles], doubles, lambda b, x: x)
 same_ints = _function([ints], ints, lambda b, x: x)
 #: Sixteen whole numbers 0, 1 .. 15.
 lane_numbers = _function([], ints, lambda b: ir.Constant(_INTS, list(range(LANES))))
@@ -208,11 +209,16 @@ any_lane = _function(
 )
 
 
-@intrinsic
-def sqrt(typingctx: Any, x: Any) -> Any:
-    """Of floats or doubles."""
-    root = _call("llvm.sqrt.v16f32" if x is floats else "llvm.sqrt.v16f64", x.llvm, x.llvm)
-    return x(x), lambda context, builder, sig, values: root(builder, *values)
+def _of_floats_or_doubles(name: str) -> Any:
+    def declare(typingctx: Any, x: Any) -> Any:
+        function = _call(f"llvm.{name}.v16f{32 if x is floats else 64}", x.llvm, x.llvm)
+        return x(x), lambda context, builder, sig, values: function(builder, *values)
+
+    return intrinsic(declare)
+
+
+sqrt = _of_floats_or_doubles("sqrt")
+absolute = _of_floats_or_doubles("fabs")
 
 
 @intrinsic
@@ -280,14 +286,20 @@ def _join(builder: Any, x: Any, y: Any) -> Any:
 
 
 def _addresses(builder: Any, indices: Any) -> list[Any]:
-    """Sixteen scalars, by way of memory."""
+    """Sixteen scalars, by way of memory, two at a time: loads are what there is never enough of."""
     slot = cgutils.alloca_once(builder, _INTS)
     slot.align = 64
     builder.store(indices, slot)
     # An empty instruction that LLVM cannot look into: it would take the numbers out of the register after all.
-    opaque = ir.InlineAsm(ir.FunctionType(_I32.as_pointer(), [_I32.as_pointer()]), "", "=r,0")
-    first = builder.call(opaque, [builder.bitcast(slot, _I32.as_pointer())])
-    return [builder.sext(builder.load(builder.gep(first, [_I64(lane)])), _I64) for lane in range(LANES)]
+    opaque = ir.InlineAsm(ir.FunctionType(_I64.as_pointer(), [_I64.as_pointer()]), "", "=r,0")
+    first = builder.call(opaque, [builder.bitcast(slot, _I64.as_pointer())])
+    two = [builder.load(builder.gep(first, [_I64(k)])) for k in range(LANES // 2)]
+    low = 0 if sys.byteorder == "little" else 1
+    return [
+        builder.ashr(both, _I64(32)) if lane != low else builder.sext(builder.trunc(both, _I32), _I64)
+        for both in two
+        for lane in range(2)
+    ]
 
 
 def _records(context: Any, builder: Any, sig: Any, values: Any, record: Any) -> list[Any]:
