@@ -34,6 +34,7 @@ import numba
 from numba.core import config
 from numba.core.caching import _Cache
 from numba.core.compiler import CompileResult
+from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 
 from flowabs_nodes.filters.processor import PATH
@@ -58,7 +59,8 @@ class KernelCache(_Cache):  # type: ignore[misc]
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """The compiled kernel of a signature; None if it has to be compiled."""
-        target_context.refresh()
+        # Not target_context.refresh(), as numba's cache does: that imports half of numba, which only compiling needs.
+        rtsys.initialize(target_context)
         name = self._file(sig, target_context.codegen())
         for folder in folders():
             found = _read(folder / name)
