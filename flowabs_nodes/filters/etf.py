@@ -89,9 +89,11 @@ def etf(
     fill = None if fill is None else arguments.number("fill", fill, min=0)
     adaptive = arguments.flag("adaptive", adaptive)
 
-    tangent, magnitude = gradient.gradient(code, pre_blur)
-    strength = gradient.normalised(magnitude, gradient_reference)
-    if fill is not None:
+    measured = gradient.measured(code, pre_blur)
+    tangent, magnitude = measured.gradient
+    reference = gradient.reference(measured, gradient_reference)
+    strength = np.minimum(magnitude / np.float64(reference), 1).astype(np.float32) if reference else 0 * magnitude
+    if fill is not None and not (fill == 0 and measured.everywhere):
         tangent = flow_fill(tangent, magnitude, fill)
     if iterations == 0 or radius <= 1:
         return tangent

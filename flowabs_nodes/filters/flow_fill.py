@@ -10,11 +10,13 @@ angle, m^2 (cos 2θ, sin 2θ).
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 from numba import prange
 
 from flowabs_nodes.filters.arguments import Array
-from flowabs_nodes.filters.gradient import Float64, half_angle
 from flowabs_nodes.filters.kernels import kernel, parallel_kernel
+
+Float64 = npt.NDArray[np.float64]
 
 _ISOTROPIC = 1e-9  # of a trace of 1: a tensor whose double angle is shorter has no direction, only rounding
 
@@ -131,3 +133,16 @@ def _pull_pixels(tangent: Array, magnitude: Array, coarser: Float64, confident: 
                 elif weight == 0:
                     tx, ty = 1.0, 0.0
             filled[y, x, 0], filled[y, x, 1] = tx, ty
+
+
+@kernel
+def half_angle(c: float, s: float) -> tuple[float, float]:
+    """The unit vector at half the angle of (c, s), so the major eigenvector of [[c, s], [s, -c]]; zero for zero."""
+    r = np.sqrt(c * c + s * s)
+    large = np.sqrt((r + abs(c)) / 2)
+    inverse = 0.0 if r == 0 else 1 / large
+    small = s / 2 * inverse
+    norm = 0.0 if r == 0 else 1 / np.sqrt(r)
+    x = large if c >= 0 else small
+    y = small if c >= 0 else large
+    return x * norm, y * norm

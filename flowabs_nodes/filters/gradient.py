@@ -7,19 +7,32 @@ underflowing where it is squared.
 from __future__ import annotations
 
 import re
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from numba import prange
 
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import arguments
 from flowabs_nodes.filters.arguments import Array
 from flowabs_nodes.filters.blur import blur
-from flowabs_nodes.filters.kernels import kernel, parallel_kernel
-
-Float64 = npt.NDArray[np.float64]
+from flowabs_nodes.filters.kernels import inlined, kernel
+from flowabs_nodes.filters.threads import over_rows
+from flowabs_nodes.filters.vector import (
+    LANES,
+    absolute,
+    from_doubles,
+    load,
+    maximum,
+    minimum,
+    same_doubles,
+    same_floats,
+    select,
+    sqrt,
+    store,
+    store_pairs,
+    to_doubles,
+)
 
 _LARGEST = np.finfo(np.float32).max
 
@@ -31,19 +44,36 @@ class Gradient(NamedTuple):
     magnitude: Array
 
 
+class Measured(NamedTuple):
+    """A gradient, its ``largest`` magnitude, and whether there is a tangent ``everywhere``."""
+
+    gradient: Gradient
+    largest: float
+    everywhere: bool
+
+
 def gradient(code: Array, pre_blur: float = 0.0) -> Gradient:
     """The tangent and |g|, in code values per pixel, of ``code``: (H, W), or (H, W, C) for all channels together.
 
     Together means the structure tensor sum_k g_k g_k^T: g points along its major eigenvector, |g| is the root of the
     major eigenvalue. ``pre_blur`` is the sigma of a Gaussian blur before, in pixels.
     """
-    code = blur(code, pre_blur) if pre_blur > 0 else code
+    return measured(code, pre_blur).gradient
+
+
+def measured(code: Array, pre_blur: float = 0.0) -> Measured:
+    """:func:`gradient`, and what can be told of it on the way."""
+    code = np.ascontiguousarray(blur(code, pre_blur) if pre_blur > 0 else code)
     height, width = code.shape[:2]
-    tangent = np.empty((height, width, 2), np.float32)
-    magnitude = np.empty((height, width), np.float32)
+    if width < LANES:  # its border repeated further; then only what is cut off again is wrong
+        wide = gradient(np.pad(code, [(0, 0), (0, LANES - width)] + [(0, 0)] * (code.ndim - 2), "edge"))
+        narrow = Gradient(*(np.ascontiguousarray(made[:, :width]) for made in wide))
+        return Measured(narrow, float(narrow.magnitude.max()), bool(narrow.tangent.any(axis=2).all()))
+    made = Gradient(np.empty((height, width, 2), np.float32), np.empty((height, width), np.float32))
     channels = 1 if code.ndim == 2 else code.shape[2]
-    _gradient(code.reshape(height, -1), channels, tangent, magnitude)
-    return Gradient(tangent, magnitude)
+    tangent, magnitude = (each.reshape(-1) for each in made)
+    bands = over_rows(_gradient, height, code.reshape(-1), channels, height, width, tangent, magnitude)
+    return Measured(made, max(largest for largest, _ in bands), all(everywhere for _, everywhere in bands))
 
 
 def measure_reference(code: npt.ArrayLike, gradient_reference: str | float, pre_blur: float = 0.0) -> float:
@@ -65,21 +95,17 @@ def measure_reference(code: npt.ArrayLike, gradient_reference: str | float, pre_
     """
     code = arguments.plane_or_planes("code", code)
     pre_blur = arguments.number("pre_blur", pre_blur, min=0, max=10_000)
+    if _percentile(gradient_reference) is None:
+        return float(gradient_reference)
+    return reference(measured(code, pre_blur), gradient_reference)
+
+
+def reference(made: Measured, gradient_reference: str | float) -> float:
+    """What ``gradient_reference`` comes to on this gradient."""
     percent = _percentile(gradient_reference)
     if percent is None:
         return float(gradient_reference)
-    return _percentile_of(gradient(code, pre_blur).magnitude, percent)
-
-
-def normalised(magnitude: Array, gradient_reference: str | float) -> Array:
-    """ĝ = min(|g| / reference, 1); 0 everywhere if the reference is 0."""
-    percent = _percentile(gradient_reference)
-    reference = float(gradient_reference) if percent is None else _percentile_of(magnitude, percent)
-    if reference == 0:
-        return np.zeros_like(magnitude)
-    strength = np.empty_like(magnitude)
-    _normalised(magnitude, reference, strength)
-    return strength
+    return made.largest if percent == 100 else float(np.percentile(made.gradient.magnitude, percent))
 
 
 def check_reference(gradient_reference: str | float) -> None:
@@ -104,96 +130,91 @@ def _percentile(reference: str | float) -> float | None:
     return float(match[1])
 
 
-def _percentile_of(magnitude: Array, percent: float) -> float:
-    return float(magnitude.max() if percent == 100 else np.percentile(magnitude, percent))
+@kernel
+def _gradient(
+    first: int, last: int, code: Array, channels: int, height: int, width: int, tangent: Array, magnitude: Array
+) -> tuple[float, bool]:
+    """Rows ``first`` to ``last`` - 1: their largest magnitude, and whether each of their pixels has a tangent."""
+    size = channels * (width + 2)
+    rows = np.empty((3, size), np.float32)
+    for y in range(first - 1, first + 1):
+        _repeat_border(code, channels, height, width, y, rows[y % 3])
+    largest, shortest = same_floats(0.0), same_floats(1.0)
+    for y in range(first, last):
+        _repeat_border(code, channels, height, width, y + 1, rows[(y + 1) % 3])
+        above, here, below = rows[(y - 1) % 3], rows[y % 3], rows[(y + 1) % 3]
+        for x0 in range(0, width, LANES):
+            x = min(x0, width - LANES)
+            if channels == 1:
+                gx, gy = _sobel(above, here, below, x)
+                tx, ty, m = _across(gx, gy)
+            else:
+                c, s, trace = same_doubles(0.0), same_doubles(0.0), same_doubles(0.0)
+                for i in range(x, size, width + 2):
+                    gx, gy = _sobel(above, here, below, i)
+                    xx, yy = gx * gx, gy * gy
+                    c, s, trace = c + (xx - yy), s + 2.0 * (gx * gy), trace + (xx + yy)
+                tx, ty, m = _across_together(c, s, trace)
+            i = y * width + x
+            store_pairs(tangent, 2 * i, (tx, ty))
+            store(magnitude, i, m)
+            largest = maximum(largest, m)
+            shortest = minimum(shortest, tx * tx + ty * ty)
+    extremes = np.empty((2, LANES), np.float32)
+    store(extremes[0], 0, largest)
+    store(extremes[1], 0, shortest)
+    return extremes[0].max(), extremes[1].min() > 0
 
 
-@parallel_kernel
-def _normalised(magnitude: Array, reference: float, strength: Array) -> None:
-    for y in prange(magnitude.shape[0]):
-        for x in range(magnitude.shape[1]):
-            strength[y, x] = min(magnitude[y, x] / reference, 1.0)
-
-
-@parallel_kernel
-def _gradient(rows: Array, channels: int, tangent: Array, magnitude: Array) -> None:
-    """``rows``: the picture's rows, channels side by side."""
-    height, size = rows.shape
-    for y in prange(height):
-        smooth = np.empty(size + 2 * channels)  # (1 2 1) down the columns
-        steep = np.empty(size + 2 * channels)  # (-1 0 1) down the columns
-        _down(rows[max(y - 1, 0)], rows[y], rows[min(y + 1, height - 1)], channels, smooth, steep)
-        gx, gy = np.empty(size), np.empty(size)
-        _across(smooth[:size], smooth[2 * channels :], steep[:size], steep[channels:], steep[2 * channels :], gx, gy)
+@inlined
+def _repeat_border(code: Array, channels: int, height: int, width: int, y: int, row: Array) -> None:
+    """Row y of each channel, one pixel longer at either end."""
+    start = min(max(y, 0), height - 1) * width * channels
+    for k in range(channels):
+        first = k * (width + 2)
         if channels == 1:
-            _tangents(gx, gy, tangent[y], magnitude[y])
+            for x in range(0, width, LANES):
+                i = min(x, width - LANES)
+                store(row, 1 + i, load(code, start + i))
         else:
-            _tangents_together(gx, gy, channels, tangent[y], magnitude[y])
+            for x in range(width):
+                row[first + 1 + x] = code[start + x * channels + k]
+        row[first], row[first + width + 1] = row[first + 1], row[first + width]
 
 
-@kernel
-def _down(above: Array, row: Array, below: Array, channels: int, smooth: Float64, steep: Float64) -> None:
-    size = row.size
-    for i in range(size):
-        a, b, c = np.float64(above[i]), np.float64(row[i]), np.float64(below[i])
-        smooth[channels + i] = a + 2 * b + c
-        steep[channels + i] = c - a
-    for padded in (smooth, steep):
-        for k in range(channels):
-            padded[k] = padded[channels + k]
-            padded[channels + size + k] = padded[size + k]
+@inlined
+def _sobel(above: Array, here: Array, below: Array, i: int) -> Any:
+    """g of sixteen pixels; to the left of the first is ``here[i]``."""
+    a, b, c = to_doubles(load(above, i)), to_doubles(load(above, i + 1)), to_doubles(load(above, i + 2))
+    d, f = to_doubles(load(here, i)), to_doubles(load(here, i + 2))
+    p, q, r = to_doubles(load(below, i)), to_doubles(load(below, i + 1)), to_doubles(load(below, i + 2))
+    return ((c - a) + (r - p) + 2.0 * (f - d)) * 0.125, ((p - a) + (r - c) + 2.0 * (q - b)) * 0.125
 
 
-@kernel
-def _across(
-    smooth_left: Float64,
-    smooth_right: Float64,
-    steep_left: Float64,
-    steep: Float64,
-    steep_right: Float64,
-    gx: Float64,
-    gy: Float64,
-) -> None:
-    for i in range(gx.size):
-        gx[i] = (smooth_right[i] - smooth_left[i]) / 8
-    for i in range(gy.size):
-        gy[i] = (steep_left[i] + 2 * steep[i] + steep_right[i]) / 8
+@inlined
+def _across(gx: Any, gy: Any) -> Any:
+    """t = (-g.y, g.x) / |g|, and |g|."""
+    size = sqrt(gx * gx + gy * gy)
+    m = from_doubles(minimum(size, _LARGEST))
+    inverse = select(m > 0.0, 1.0 / size, 0.0)
+    return from_doubles(-gy * inverse), from_doubles(gx * inverse), m
 
 
-@kernel
-def _tangents(gx: Float64, gy: Float64, tangent: Array, magnitude: Array) -> None:
-    for x in range(magnitude.size):
-        size = np.sqrt(gx[x] * gx[x] + gy[x] * gy[x])
-        m = np.float32(min(size, _LARGEST))
-        inverse = 1 / (size if m > 0 else np.inf)
-        magnitude[x] = m
-        tangent[x, 0] = -gy[x] * inverse
-        tangent[x, 1] = gx[x] * inverse
+@inlined
+def _across_together(c: Any, s: Any, trace: Any) -> Any:
+    """The major eigenvector of sum_k g_k g_k^T turned by 90 degrees, and the root of the major eigenvalue."""
+    m = from_doubles(minimum(sqrt((trace + sqrt(c * c + s * s)) * 0.5), _LARGEST))
+    x, y = half_angle(c, s)
+    return from_doubles(select(m > 0.0, -y, 0.0)), from_doubles(select(m > 0.0, x, 0.0)), m
 
 
-@kernel
-def _tangents_together(gx: Float64, gy: Float64, channels: int, tangent: Array, magnitude: Array) -> None:
-    """Major eigenvector of sum_k g_k g_k^T, turned by 90 degrees."""
-    for x in range(magnitude.size):
-        c, s, trace = 0.0, 0.0, 0.0
-        for i in range(x * channels, (x + 1) * channels):
-            xx, yy = gx[i] * gx[i], gy[i] * gy[i]
-            c, s, trace = c + (xx - yy), s + 2 * (gx[i] * gy[i]), trace + (xx + yy)
-        magnitude[x] = min(np.sqrt((trace + np.sqrt(c * c + s * s)) / 2), _LARGEST)
-        across_x, across_y = half_angle(c, s)
-        there = 1.0 if magnitude[x] > 0 else 0.0
-        tangent[x, 0] = -across_y * there
-        tangent[x, 1] = across_x * there
-
-
-@kernel
-def half_angle(c: float, s: float) -> tuple[float, float]:
+@inlined
+def half_angle(c: Any, s: Any) -> Any:
     """The unit vector at half the angle of (c, s), so the major eigenvector of [[c, s], [s, -c]]; zero for zero."""
-    r = np.sqrt(c * c + s * s)
-    large = np.sqrt((r + abs(c)) / 2)
-    inverse = 0.0 if r == 0 else 1 / large
-    small = s / 2 * inverse
-    norm = 0.0 if r == 0 else 1 / np.sqrt(r)
-    x = large if c >= 0 else small
-    y = small if c >= 0 else large
-    return x * norm, y * norm
+    r = sqrt(c * c + s * s)
+    large = sqrt((r + absolute(c)) * 0.5)
+    small = 0.5 * s / large
+    inverse = 1.0 / sqrt(r)
+    x = select(c >= 0.0, large, small) * inverse
+    y = select(c >= 0.0, small, large) * inverse
+    return select(r > 0.0, x, 0.0), select(r > 0.0, y, 0.0)

@@ -12,8 +12,11 @@ Reading at scattered places is what the filters spend their time on. One load fo
 neighbouring floats, and shuffling these into vectors beats the processors' own gather instructions by far; and the
 addresses are best passed through memory, since taking them out of a vector one by one costs more than the loads.
 
-Arrays are one-dimensional float32 or int32, places in them count floats, and nothing is checked: whoever asks for
-sixteen floats from ``i`` on sees to it that they are there.
+What is worked out for one sixteen pixels after the other waits for loads; what goes through :func:`scratch`, a step for
+many pixels and then the next step, does not (:func:`pairs_at`, :func:`quads_at`).
+
+Arrays are one-dimensional float32, float64 or int32, places in them count numbers, and nothing is checked: whoever asks
+for sixteen floats from ``i`` on sees to it that they are there.
 """
 
 from __future__ import annotations
@@ -29,6 +32,7 @@ from numba.core import cgutils
 from numba.core.imputils import lower_builtin, lower_cast
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import intrinsic, models, register_model
+from numba.np.arrayobj import populate_array
 
 from flowabs_nodes.filters.kernels import inlined as inlined  # for whoever has everything from here
 from flowabs_nodes.filters.processor import PATH
@@ -187,11 +191,8 @@ def _call(name: str, result: Any, *kinds: Any) -> Callable[..., Any]:
 _floor = _call("llvm.floor.v16f32", _FLOATS, _FLOATS)
 _multiply_add = _call("llvm.fmuladd.v16f32", _FLOATS, _FLOATS, _FLOATS, _FLOATS)
 
-floor = _function([floats], floats, _floor)
-rint = _function([floats], floats, _call("llvm.rint.v16f32", _FLOATS, _FLOATS))  # half to even
-#: Whole numbers only; ``to_ints`` cuts off what comes after the point, and must be within int32.
+#: Whole numbers only.
 to_floats = _function([ints], floats, lambda b, x: b.sitofp(x, _FLOATS))
-to_ints = _function([floats], ints, lambda b, x: b.fptosi(x, _INTS))
 #: float32 as float64, which loses nothing, and back, to the nearest.
 to_doubles = _function([floats], doubles, lambda b, x: b.fpext(x, _DOUBLES))
 from_doubles = _function([doubles], floats, lambda b, x: b.fptrunc(x, _FLOATS))
@@ -219,6 +220,14 @@ def _of_floats_or_doubles(name: str) -> Any:
 
 sqrt = _of_floats_or_doubles("sqrt")
 absolute = _of_floats_or_doubles("fabs")
+floor = _of_floats_or_doubles("floor")
+rint = _of_floats_or_doubles("rint")  # half to even
+
+
+@intrinsic
+def to_ints(typingctx: Any, x: Any) -> Any:
+    """Floats or doubles without what comes after the point; they must be within int32."""
+    return ints(x), lambda context, builder, sig, values: builder.fptosi(values[0], _INTS)
 
 
 @intrinsic
@@ -252,10 +261,14 @@ def _aligned_to_a_float(instruction: Any) -> Any:
     return instruction
 
 
+def _kind_of(array: Any) -> Any:
+    return {kind.element: kind for kind in (floats, doubles, ints)}[array.dtype]
+
+
 @intrinsic
 def load(typingctx: Any, array: Any, i: Any) -> Any:
-    """array[i .. i + 15]: floats or ints, as the array is."""
-    kind = floats if array.dtype == types.float32 else ints
+    """array[i .. i + 15]: floats, doubles or ints, as the array is."""
+    kind = _kind_of(array)
 
     def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
         return _aligned_to_a_float(builder.load(_place(context, builder, sig.args[0], values[0], values[1], kind.llvm)))
@@ -266,7 +279,7 @@ def load(typingctx: Any, array: Any, i: Any) -> Any:
 @intrinsic
 def store(typingctx: Any, array: Any, i: Any, vector: Any) -> Any:
     """array[i .. i + 15] = vector."""
-    kind = floats if array.dtype == types.float32 else ints
+    kind = _kind_of(array)
 
     def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
         to, i, vector = values
@@ -277,6 +290,51 @@ def store(typingctx: Any, array: Any, i: Any, vector: Any) -> Any:
     return types.void(array, i, kind), generate
 
 
+@intrinsic
+def scratch(typingctx: Any, dtype: Any, count: Any) -> Any:
+    """Memory for ``count`` (a constant) vectors on the stack of the kernel that asks: an array, not initialised."""
+    if not isinstance(count, types.IntegerLiteral):
+        return None  # numba asks again with the constant
+    array, size = types.Array(dtype.dtype, 1, "C"), LANES * count.literal_value
+
+    def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
+        number = context.get_data_type(array.dtype)
+        memory = cgutils.alloca_once(builder, ir.ArrayType(number, size))
+        memory.align = 64
+        itemsize = context.get_constant(types.intp, context.get_abi_sizeof(number))
+        value = context.make_array(array)(context, builder)
+        populate_array(
+            value,
+            data=builder.bitcast(memory, number.as_pointer()),
+            shape=(context.get_constant(types.intp, size),),
+            strides=(itemsize,),
+            itemsize=itemsize,
+            meminfo=None,
+        )
+        return value._getvalue()
+
+    return array(dtype, count), generate
+
+
+def _prefetcher(to_write: bool) -> Any:
+    def declare(typingctx: Any, array: Any, i: Any) -> Any:
+        def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
+            byte = ir.IntType(8).as_pointer()
+            place = _place(context, builder, sig.args[0], values[0], values[1], ir.IntType(8))
+            prefetch = ir.FunctionType(ir.VoidType(), [byte, _I32, _I32, _I32])
+            function = cgutils.get_or_insert_function(builder.module, prefetch, "llvm.prefetch.p0i8")
+            builder.call(function, [place, _I32(int(to_write)), _I32(3), _I32(1)])
+            return context.get_dummy_value()
+
+        return types.void(array, i), generate
+
+    return intrinsic(declare)
+
+
+#: Have the line of memory of array[i] fetched that is read, or written, before long. Any i will do.
+soon_read, soon_written = _prefetcher(False), _prefetcher(True)
+
+
 def _shuffle(builder: Any, x: Any, y: Any, lanes: Sequence[int]) -> Any:
     return builder.shuffle_vector(x, y, ir.Constant(ir.VectorType(_I32, len(lanes)), list(lanes)))
 
@@ -285,14 +343,18 @@ def _join(builder: Any, x: Any, y: Any) -> Any:
     return _shuffle(builder, x, y, range(2 * x.type.count))
 
 
-def _addresses(builder: Any, indices: Any) -> list[Any]:
-    """Sixteen scalars, by way of memory, two at a time: loads are what there is never enough of."""
+def _in_memory(builder: Any, indices: Any) -> Any:
     slot = cgutils.alloca_once(builder, _INTS)
     slot.align = 64
     builder.store(indices, slot)
+    return slot
+
+
+def _addresses(builder: Any, indices: Any) -> list[Any]:
+    """Sixteen scalars from memory, two at a time: loads are what there is never enough of."""
     # An empty instruction that LLVM cannot look into: it would take the numbers out of the register after all.
     opaque = ir.InlineAsm(ir.FunctionType(_I64.as_pointer(), [_I64.as_pointer()]), "", "=r,0")
-    first = builder.call(opaque, [builder.bitcast(slot, _I64.as_pointer())])
+    first = builder.call(opaque, [builder.bitcast(indices, _I64.as_pointer())])
     two = [builder.load(builder.gep(first, [_I64(k)])) for k in range(LANES // 2)]
     low = 0 if sys.byteorder == "little" else 1
     return [
@@ -303,11 +365,15 @@ def _addresses(builder: Any, indices: Any) -> list[Any]:
 
 
 def _records(context: Any, builder: Any, sig: Any, values: Any, record: Any) -> list[Any]:
-    """The record at array[i] for each of sixteen i."""
+    """The record at array[i] for each of sixteen i, a vector or in memory."""
     data = context.make_array(sig.args[0])(context, builder, values[0]).data
+    if sig.args[1] is ints:
+        indices = _in_memory(builder, values[1])
+    else:
+        indices = _place(context, builder, sig.args[1], values[1], values[2], _INTS)
     return [
         _aligned_to_a_float(builder.load(builder.bitcast(builder.gep(data, [i]), record.as_pointer())))
-        for i in _addresses(builder, values[1])
+        for i in _addresses(builder, indices)
     ]
 
 
@@ -324,51 +390,59 @@ def gather(typingctx: Any, array: Any, indices: Any) -> Any:
     return floats(array, ints), generate
 
 
+def _pairs(context: Any, builder: Any, sig: Any, values: Any) -> Any:
+    read = _records(context, builder, sig, values, _F64)  # 64 bits in one go, never calculated with
+    halves = []
+    for half in (read[:8], read[8:]):
+        vector = ir.Constant(ir.VectorType(_F64, 8), ir.Undefined)
+        for lane, number in enumerate(half):
+            vector = builder.insert_element(vector, number, _I32(lane))
+        halves.append(builder.bitcast(vector, _FLOATS))
+    apart = [_shuffle(builder, halves[0], halves[1], range(k, 2 * LANES, 2)) for k in range(2)]
+    return context.make_tuple(builder, sig.return_type, apart)
+
+
 @intrinsic
 def pairs(typingctx: Any, array: Any, indices: Any) -> Any:
     """(array[i], array[i + 1]) for each i, as two vectors."""
+    return types.UniTuple(floats, 2)(array, ints), _pairs
 
-    def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
-        read = _records(context, builder, sig, values, _F64)  # 64 bits in one go, never calculated with
-        halves = []
-        for half in (read[:8], read[8:]):
-            vector = ir.Constant(ir.VectorType(_F64, 8), ir.Undefined)
-            for lane, number in enumerate(half):
-                vector = builder.insert_element(vector, number, _I32(lane))
-            halves.append(builder.bitcast(vector, _FLOATS))
-        return context.make_tuple(
-            builder,
-            sig.return_type,
-            [_shuffle(builder, halves[0], halves[1], range(k, 2 * LANES, 2)) for k in range(2)],
-        )
 
-    return types.UniTuple(floats, 2)(array, ints), generate
+@intrinsic
+def pairs_at(typingctx: Any, array: Any, places: Any, k: Any) -> Any:
+    """:func:`pairs` for the i in places[k .. k + 15]."""
+    return types.UniTuple(floats, 2)(array, places, k), _pairs
+
+
+def _quads(context: Any, builder: Any, sig: Any, values: Any) -> Any:
+    read = _records(context, builder, sig, values, ir.VectorType(_F32, 4))
+    # Four vectors with records k, k + 4, k + 8, k + 12 each, then a 4 x 4 transpose in each quarter.
+    rows = [
+        _join(builder, _join(builder, read[k], read[k + 4]), _join(builder, read[k + 8], read[k + 12]))
+        for k in range(4)
+    ]
+
+    def mix(x: Any, y: Any, pattern: Sequence[int]) -> Any:
+        return _shuffle(builder, x, y, [k % 4 + q + (k // 4) * LANES for q in range(0, LANES, 4) for k in pattern])
+
+    low, high = (0, 4, 1, 5), (2, 6, 3, 7)
+    p, q, r, s = rows
+    a, b, c, d = mix(p, q, low), mix(r, s, low), mix(p, q, high), mix(r, s, high)
+    first, second = (0, 1, 4, 5), (2, 3, 6, 7)
+    apart = [mix(a, b, first), mix(a, b, second), mix(c, d, first), mix(c, d, second)]
+    return context.make_tuple(builder, sig.return_type, apart)
 
 
 @intrinsic
 def quads(typingctx: Any, array: Any, indices: Any) -> Any:
     """(array[i], array[i + 1], array[i + 2], array[i + 3]) for each i, as four vectors."""
+    return types.UniTuple(floats, 4)(array, ints), _quads
 
-    def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
-        read = _records(context, builder, sig, values, ir.VectorType(_F32, 4))
-        # Four vectors with records k, k + 4, k + 8, k + 12 each, then a 4 x 4 transpose in each quarter.
-        rows = [
-            _join(builder, _join(builder, read[k], read[k + 4]), _join(builder, read[k + 8], read[k + 12]))
-            for k in range(4)
-        ]
 
-        def mix(x: Any, y: Any, pattern: Sequence[int]) -> Any:
-            return _shuffle(builder, x, y, [k % 4 + q + (k // 4) * LANES for q in range(0, LANES, 4) for k in pattern])
-
-        low, high = (0, 4, 1, 5), (2, 6, 3, 7)
-        p, q, r, s = rows
-        a, b, c, d = mix(p, q, low), mix(r, s, low), mix(p, q, high), mix(r, s, high)
-        first, second = (0, 1, 4, 5), (2, 3, 6, 7)
-        return context.make_tuple(
-            builder, sig.return_type, [mix(a, b, first), mix(a, b, second), mix(c, d, first), mix(c, d, second)]
-        )
-
-    return types.UniTuple(floats, 4)(array, ints), generate
+@intrinsic
+def quads_at(typingctx: Any, array: Any, places: Any, k: Any) -> Any:
+    """:func:`quads` for the i in places[k .. k + 15]."""
+    return types.UniTuple(floats, 4)(array, places, k), _quads
 
 
 def _interleaved(size: int) -> tuple[Any, Any]:

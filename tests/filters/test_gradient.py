@@ -3,7 +3,7 @@ import pytest
 
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import blur, measure_reference
-from flowabs_nodes.filters.gradient import gradient, normalised
+from flowabs_nodes.filters.gradient import gradient, measured
 from tests.filters.pictures import noise, photo
 from tests.naive import etf as naive
 
@@ -82,12 +82,28 @@ def test_measured_references():
     assert measure_reference(np.zeros((3, 3)), "max") == 0
 
 
-def test_normalised_is_cut_at_1_and_0_for_a_reference_of_0():
-    magnitude = np.array([[0, 1, 4, 1e30]], np.float32)
-    np.testing.assert_array_equal(normalised(magnitude, 2.0), [[0, 0.5, 1, 1]])
-    np.testing.assert_array_equal(normalised(magnitude, 0), 0)
-    np.testing.assert_array_equal(normalised(magnitude, 1e-300), [[0, 1, 1, 1]])
-    np.testing.assert_array_equal(normalised(np.zeros((2, 2), np.float32), "max"), 0)
+def test_what_is_told_of_a_gradient():
+    for code in (noise(9, 14), photo(), np.zeros((3, 20), np.float32), noise(40, 3), np.diag(np.arange(20.0))):
+        made, largest, everywhere = measured(np.asarray(code, np.float32))
+        assert largest == made.magnitude.max()
+        assert everywhere == made.tangent.any(axis=2).all()
+
+
+@pytest.mark.parametrize("channels", [1, 3])
+@pytest.mark.parametrize("shape", [(1, 1), (1, 40), (40, 1), (3, 15), (2, 16), (5, 17), (4, 33)])
+def test_every_size_has_its_border_repeated(shape, channels):
+    code = noise(*shape)[..., np.newaxis] * np.arange(1, channels + 1, dtype=np.float32)
+    tangent, magnitude = gradient(code)
+    expected_tangent, expected_magnitude = naive.gradient(code)
+    np.testing.assert_allclose(magnitude, expected_magnitude, rtol=1e-6)
+    assert naive.degrees_between(tangent, expected_tangent).max() < 1e-3
+
+
+def test_every_number_of_threads_gives_the_same_bits(each_thread_count):
+    one, *others = each_thread_count(lambda: gradient(photo()))
+    for other in others:
+        np.testing.assert_array_equal(one.tangent, other.tangent)
+        np.testing.assert_array_equal(one.magnitude, other.magnitude)
 
 
 @pytest.mark.parametrize("reference", ["mean", "p101", "p-1", "p", "p99,5", "99.5", "P50", -1.0, np.nan, True, None])
