@@ -188,7 +188,6 @@ def _call(name: str, result: Any, *kinds: Any) -> Callable[..., Any]:
     return generate
 
 
-_floor = _call("llvm.floor.v16f32", _FLOATS, _FLOATS)
 _multiply_add = _call("llvm.fmuladd.v16f32", _FLOATS, _FLOATS, _FLOATS, _FLOATS)
 
 #: Whole numbers only.
@@ -509,6 +508,7 @@ else:
 
     @inlined
     def _fraction(x: Any) -> Any:
+        x = maximum(x, -126.0)  # -Inf - -Inf is not a number
         return x - floor(x)
 
     @inlined
@@ -524,8 +524,8 @@ else:
             slot = cgutils.alloca_once(builder, _INTS)
             builder.store(values[0], slot)
             first = builder.bitcast(slot, _I32.as_pointer())
-            result = ir.Constant(_INTS, ir.Undefined)
-            for lane, i in enumerate(_addresses(builder, builder.and_(values[1], _constant(_INTS, 15)))):
+            masked, result = builder.and_(values[1], _constant(_INTS, 15)), ir.Constant(_INTS, ir.Undefined)
+            for lane, i in enumerate(_addresses(builder, _in_memory(builder, masked))):
                 result = builder.insert_element(result, builder.load(builder.gep(first, [i])), _I32(lane))
             return result
 

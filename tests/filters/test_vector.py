@@ -127,6 +127,7 @@ def test_exp2() -> None:
     for x in np.concatenate([-np.logspace(-30, np.log10(125), 320), [0] * LANES]).reshape(-1, LANES).astype(np.float32):
         np.testing.assert_allclose(exp2(x, x), 2.0 ** x.astype(np.float64), rtol=4e-6)
     far = -np.logspace(np.log10(127), 38, LANES).astype(np.float32)
+    far[-1] = -np.inf
     assert (exp2(far, far) >= 0).all()
     assert (exp2(far, far) <= 2.0**-125).all()
 
@@ -143,13 +144,39 @@ def _read_at_places(picture: Any, places: Any, out: Any) -> None:
         store(out, 16 + 16 * k, each)
     for k, each in enumerate(vector.quads(picture, i)):
         store(out, 48 + 16 * k, each)
+    kept = vector.scratch(np.int32, 2)
+    store(kept, 16, i)
+    for k, each in enumerate(vector.pairs_at(picture, kept, 16)):
+        store(out, 112 + 16 * k, each)
+    for k, each in enumerate(vector.quads_at(picture, kept, 16)):
+        store(out, 144 + 16 * k, each)
 
 
 def test_reading_at_scattered_places() -> None:
-    out = np.zeros(7 * LANES, np.float32)
+    out = np.zeros(13 * LANES, np.float32)
     _read_at_places(PICTURE, PLACES, out)
-    offsets = [0, 0, 1, 0, 1, 2, 3]
-    np.testing.assert_array_equal(out.reshape(7, LANES), [PICTURE[PLACES + k] for k in offsets])
+    offsets = [0, 0, 1, 0, 1, 2, 3, 0, 1, 0, 1, 2, 3]
+    np.testing.assert_array_equal(out.reshape(13, LANES), [PICTURE[PLACES + k] for k in offsets])
+
+
+@njit
+def _by_way_of_scratch(x: Any, whole: Any, nearest: Any, below: Any) -> None:
+    kept = vector.scratch(np.float64, 3)
+    store(kept, 32, vector.to_doubles(load(x, 0)))
+    vector.soon_read(x, 10**9)  # only ever a hint
+    vector.soon_written(x, -1)
+    store(whole, 0, vector.to_ints(load(kept, 32)))
+    store(nearest, 0, vector.rint(load(kept, 32)))
+    store(below, 0, vector.floor(load(kept, 32)))
+
+
+def test_doubles_in_scratch_memory() -> None:
+    whole, nearest, below = np.zeros(LANES, np.int32), np.zeros(LANES), np.zeros(LANES)
+    x = np.where(np.arange(LANES) < 8, np.arange(LANES) - 3.5, X).astype(np.float32)
+    _by_way_of_scratch(x, whole, nearest, below)
+    np.testing.assert_array_equal(whole, np.trunc(x))
+    np.testing.assert_array_equal(nearest, np.rint(x))
+    np.testing.assert_array_equal(below, np.floor(x))
 
 
 @njit
