@@ -1,7 +1,5 @@
 """``python -m flowabs_nodes``: the command line."""
 
-import sys
+from flowabs_nodes.cli import script
 
-from flowabs_nodes.cli import main
-
-sys.exit(main())
+script()

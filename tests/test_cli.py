@@ -26,6 +26,7 @@ from flowabs_nodes.engine.report import (
     start_event,
 )
 from flowabs_nodes.errors import CommandError, FlowabsError, ReadError, WriteError
+from flowabs_nodes.filters import processor
 from flowabs_nodes.graph.problems import GraphError, Problem
 from flowabs_nodes.io.sequences import MISSING
 from flowabs_nodes.io.settings import Settings
@@ -361,7 +362,30 @@ def test_nodes_that_could_not_be_loaded_are_named(flowabs, monkeypatch):
 
 
 def test_version(flowabs):
-    assert flowabs("--version") == (0, f"flowabs, version {flowabs_nodes.__version__}\n", "")
+    assert flowabs("--version") == (0, f"flowabs {flowabs_nodes.__version__} (kernels: {processor.PATH})\n", "")
+
+
+@pytest.mark.parametrize(
+    ("asked", "code", "out", "err"),
+    [
+        ("portable", 0, f"flowabs {flowabs_nodes.__version__} (kernels: portable)\n", ""),
+        ("sse2", 2, "", "flowabs: FLOWABS_SIMD: expected auto, avx512, portable or nothing, found 'sse2'"),
+    ],
+)
+def test_version_says_which_kernels_were_asked_for(asked, code, out, err):
+    command = [sys.executable, "-m", "flowabs_nodes", "--version"]
+    use = {**os.environ, "FLOWABS_SIMD": asked}
+    result = subprocess.run(command, cwd=ROOT, env=use, capture_output=True, text=True)
+    assert (result.returncode, result.stdout) == (code, out)
+    assert err in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+def test_a_run_refuses_an_unknown_kernel_path_at_once(flowabs, monkeypatch):
+    monkeypatch.setenv("FLOWABS_SIMD", "sse2")
+    code, out, err = flowabs("run", "lines", "-i", "plate.exr", "-o", "out.exr")
+    assert (code, out) == (2, "")
+    assert "found 'sse2'" in err
 
 
 def test_help_of_every_command(flowabs):
@@ -379,7 +403,16 @@ def test_without_a_command_it_helps(flowabs):
 
 @pytest.mark.parametrize(
     "arguments",
-    [["--help"], ["run", "--help"], ["check", "abstraction"], ["nodes"], ["nodes", "fbl"], ["schema"], ["graphs"]],
+    [
+        ["--help"],
+        ["--version"],
+        ["run", "--help"],
+        ["check", "abstraction"],
+        ["nodes"],
+        ["nodes", "fbl"],
+        ["schema"],
+        ["graphs"],
+    ],
 )
 def test_start_up_needs_no_kernels(arguments):
     code = (
@@ -393,6 +426,19 @@ def test_start_up_needs_no_kernels(arguments):
 def test_as_a_module():
     result = subprocess.run([sys.executable, "-m", "flowabs_nodes", "check", "lines"], capture_output=True, text=True)
     assert (result.returncode, result.stdout, result.stderr) == (0, "ok\n", "")
+
+
+def test_what_asks_to_be_called_at_the_end_is_called():
+    code = "import atexit; from flowabs_nodes.cli import script; atexit.register(print, 'the end'); script()"
+    result = subprocess.run([sys.executable, "-c", code, "--version"], cwd=ROOT, capture_output=True, text=True)
+    assert (result.returncode, result.stdout.splitlines()[1:]) == (0, ["the end"])
+
+
+def test_threads_of_others_come_to_their_end():
+    code = "import threading, time; from flowabs_nodes.cli import script; "
+    code += "threading.Thread(target=lambda: (time.sleep(0.5), print('the end'))).start(); script()"
+    result = subprocess.run([sys.executable, "-c", code, "--version"], cwd=ROOT, capture_output=True, text=True)
+    assert (result.returncode, result.stdout.splitlines()[1:]) == (0, ["the end"])
 
 
 def test_a_reader_that_goes_away_is_no_error():

@@ -6,8 +6,12 @@ Exit codes: 0 all is well; 1 a frame is missing, damaged, claimed, or not writte
 
 from __future__ import annotations
 
+import atexit
+import os
 import sys
+import threading
 from collections.abc import Sequence
+from typing import NoReturn
 
 import click
 
@@ -20,8 +24,23 @@ from flowabs_nodes.engine.stop import Stopped, stop_on_signals
 from flowabs_nodes.errors import FlowabsError, ReadError, WriteError
 
 
+def _version(context: click.Context, option: click.Parameter, value: bool) -> None:
+    if value:
+        from flowabs_nodes.filters.processor import PATH
+
+        click.echo(f"flowabs {flowabs_nodes.__version__} (kernels: {PATH})")
+        context.exit()
+
+
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
-@click.version_option(flowabs_nodes.__version__, package_name="flowabs-nodes", prog_name="flowabs")
+@click.option(
+    "--version",
+    is_flag=True,
+    expose_value=False,
+    is_eager=True,
+    callback=_version,
+    help="Show the version, and which vector instructions the kernels use.",
+)
 def cli() -> None:
     """Line drawings, flat colour and cartoons from scene-linear EXR plates, by graphs of image nodes.
 
@@ -56,3 +75,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         click.echo(f"flowabs: {error}", err=True)
         return 1
+
+
+def script() -> NoReturn:
+    """The process of ``flowabs``: runs the command, and ends."""
+    code = main()
+    others = (thread for thread in threading.enumerate() if thread is not threading.main_thread())
+    if not all(thread.daemon or thread.name.startswith("flowabs") for thread in others):
+        sys.exit(code)  # after a foreign node's threads
+    # To take all modules apart, object by object, would last longer than a picture of 512 x 512.
+    atexit._run_exitfuncs()
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except OSError:  # nobody reads it any more
+            code = code or 1
+    os._exit(code)

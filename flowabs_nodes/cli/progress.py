@@ -8,11 +8,12 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
 import click
-from tqdm import tqdm
 
 from flowabs_nodes.errors import FlowabsError
 
 if TYPE_CHECKING:
+    from tqdm import tqdm
+
     from flowabs_nodes.engine.report import Report
 
 Event = dict[str, Any]
@@ -77,6 +78,8 @@ class Bar(Lines):
     def event(self, event: Event) -> None:
         """Show an event of the engine."""
         if event["event"] == "start":
+            from tqdm import tqdm
+
             self.bar = tqdm(total=event["frames"], unit=" frames", desc=event["graph"] or None, dynamic_ncols=True)
         super().event(event)
 
@@ -89,6 +92,8 @@ class Bar(Lines):
 
     def line(self, text: str, *, error: bool = False) -> None:
         """One line above the bar."""
+        from tqdm import tqdm
+
         tqdm.write(text, file=sys.stderr if error else sys.stdout)
 
     def end(self, report: Report) -> None:

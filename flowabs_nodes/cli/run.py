@@ -84,8 +84,10 @@ def run(
     """
     from flowabs_nodes import engine
     from flowabs_nodes.cli.progress import Bar, JsonLines, Lines, on_a_terminal
+    from flowabs_nodes.filters.processor import kernel_path
     from flowabs_nodes.io.settings import Settings
 
+    kernel_path()  # what is wrong with FLOWABS_SIMD is wrong for every frame
     warn_of_missing_nodes()
     given: dict[str, Any] = {"max_pixels": max_pixels, "ocio": ocio, "root": root}
     with (JsonLines if as_json else Bar if on_a_terminal() else Lines)() as show:

@@ -6,17 +6,34 @@ import os
 
 from llvmlite import binding  # type: ignore[import-untyped]
 
+from flowabs_nodes.errors import CommandError, nearest
 
-def _path() -> str:
-    """ "avx512", or "portable" where the processor has none or ``FLOWABS_SIMD`` is "portable"."""
-    if os.environ.get("FLOWABS_SIMD", "") == "portable":
+ASKED = ("", "auto", "avx512", "portable")  # what FLOWABS_SIMD may be
+
+
+def kernel_path() -> str:
+    """ "avx512" or "portable": what ``FLOWABS_SIMD`` asks for, or else ("" or "auto") what the processor has."""
+    asked = os.environ.get("FLOWABS_SIMD", "")
+    if asked not in ASKED:
+        expected = f"expected {', '.join(ASKED[1:])} or nothing"
+        raise CommandError(f"FLOWABS_SIMD: {expected}, found {asked!r}", hint=nearest(asked, ASKED[1:]))
+    if asked == "portable":
         return "portable"
-    given = os.environ.get("NUMBA_CPU_FEATURES")
-    if given is not None:  # what numba compiles for, if told to
-        features = {name[1:] for name in given.split(",") if name.startswith("+")}
-    else:
-        features = {name for name, there in binding.get_host_cpu_features().items() if there}
-    return "avx512" if {"avx512f", "avx512dq"} <= features else "portable"
+    there = {"avx512f", "avx512dq"} <= _features()
+    if asked == "avx512" and not there:
+        raise CommandError("FLOWABS_SIMD: this processor has no AVX-512 (F and DQ)", hint="auto or portable")
+    return "avx512" if there else "portable"
 
 
-PATH = _path()
+def _features() -> set[str]:
+    """What numba compiles for."""
+    told = os.environ.get("NUMBA_CPU_FEATURES")
+    if told is not None:
+        return {name[1:] for name in told.split(",") if name.startswith("+")}
+    there = {name for name, has in binding.get_host_cpu_features().items() if has}
+    return (
+        {name for name in there if not name.startswith("avx")} if os.environ.get("NUMBA_ENABLE_AVX") == "0" else there
+    )
+
+
+PATH = kernel_path()
