@@ -94,7 +94,7 @@ def etf(
     reference = gradient.reference(measured, gradient_reference)
     strength = np.minimum(magnitude / np.float64(reference), 1).astype(np.float32) if reference else 0 * magnitude
     if fill is not None and not (fill == 0 and measured.everywhere):
-        tangent = flow_fill(tangent, magnitude, fill)
+        tangent = flow_fill(tangent, magnitude, fill, measured.largest, in_place=True)
     if iterations == 0 or radius <= 1:
         return tangent
 

@@ -29,6 +29,23 @@ def test_equals_the_direct_reading(code, fill):
     assert np.quantile(naive.degrees_between(filled, expected), 0.99) < 1e-2
 
 
+def test_in_place_or_not():
+    for code in (with_holes(20, 33), with_holes(8, 15)):
+        tangent, magnitude = gradient(code)
+        before = tangent.copy()
+        filled = flow_fill(tangent, magnitude, 2.0)
+        np.testing.assert_array_equal(tangent, before)
+        np.testing.assert_array_equal(flow_fill(tangent, magnitude, 2.0, float(magnitude.max()), True), filled)
+
+
+@pytest.mark.parametrize("fill", [0.0, 2.0])
+def test_every_number_of_threads_gives_the_same_bits(each_thread_count, fill):
+    tangent, magnitude = gradient(with_holes(140, 75))
+    one, *others = each_thread_count(lambda: flow_fill(tangent, magnitude, fill))
+    for other in others:
+        np.testing.assert_array_equal(one, other)
+
+
 def test_confident_tangents_stay_to_the_bit():
     tangent, magnitude = gradient(photo())
     filled = flow_fill(tangent, magnitude, 4.0)
