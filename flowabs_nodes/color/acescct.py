@@ -1,86 +1,87 @@
 """ACEScct (Academy S-2016-001) of each channel in AP1, in code values, x 255 / ACEScct(1): kernels.
 
-Arrays are (H, 3 W) or (H, W) float32, each row one run of memory (numba then vectorises over pixels).
+Pictures are runs of pixels (:mod:`~flowabs_nodes.filters.pointwise`); what is not wanted, or not there, is a run of no
+pixels. Each kernel returns whether there is a number that is not finite.
 """
 
 from __future__ import annotations
 
-import numba
-import numpy as np
+from typing import Any
 
 from flowabs_nodes.color import constants
 from flowabs_nodes.color.elementary import exp2, log2
-from flowabs_nodes.color.matrix import Rows, mix, not_finite
-
-f32 = np.float32
+from flowabs_nodes.color.matrix import Rows, mix, second
+from flowabs_nodes.filters.composite import over
+from flowabs_nodes.filters.kernels import inlined, kernel
+from flowabs_nodes.filters.pixels import covering, seen
+from flowabs_nodes.filters.pointwise import doubt, doubtful, first_of
+from flowabs_nodes.filters.vector import load, load_triples, same_floats, select, store, store_quads, store_triples
 
 UNIT = 255 / constants.ACESCCT_WHITE  # code values of ACEScct 1.0
-X_BREAK = f32(constants.ACESCCT_X_BRK)
-Y_BREAK = f32(constants.ACESCCT_Y_BRK * UNIT)
-TOE_SLOPE = f32(constants.ACESCCT_A * UNIT)
-TOE_OFFSET = f32(constants.ACESCCT_B * UNIT)
-PER_STOP = f32(UNIT / constants.ACESCCT_SCALE)
-WHITE = f32(255)
+X_BREAK = constants.ACESCCT_X_BRK
+Y_BREAK = constants.ACESCCT_Y_BRK * UNIT
+TOE_SLOPE = constants.ACESCCT_A * UNIT
+TOE_OFFSET = constants.ACESCCT_B * UNIT
+PER_STOP = UNIT / constants.ACESCCT_SCALE
+WHITE = 255.0
 
 
-@numba.njit(error_model="numpy")
-def _code(x: np.float32) -> np.float32:
+@inlined
+def _code(x: Any) -> Any:
     # (log2 x + 9.72) / 17.52 of the standard, counted from white: exact there, and as exact near it as float32 is.
-    above = WHITE + PER_STOP * log2(x)
-    return above if x > X_BREAK else TOE_OFFSET + TOE_SLOPE * x
+    return select(x > X_BREAK, WHITE + PER_STOP * log2(x), TOE_OFFSET + TOE_SLOPE * x)
 
 
-@numba.njit(error_model="numpy")
-def _linear(code: np.float32) -> np.float32:
-    above = exp2((code - WHITE) * f32(1 / PER_STOP))
-    return above if code > Y_BREAK else (code - TOE_OFFSET) * f32(1 / TOE_SLOPE)
+@inlined
+def _linear(code: Any) -> Any:
+    return select(code > Y_BREAK, exp2((code - WHITE) * (1 / PER_STOP)), (code - TOE_OFFSET) * (1 / TOE_SLOPE))
 
 
-@numba.njit(parallel=True, nogil=True, cache=True, error_model="numpy")
-def encode(rgb: np.ndarray, to_ap1: Rows, codes: np.ndarray) -> int:
-    """Scene-linear RGB to ACEScct. Returns how many pixels are not finite."""
-    bad = 0
-    for row in numba.prange(rgb.shape[0]):
-        source, target = rgb[row], codes[row]
-        bad_here = 0
-        for pixel in range(source.size // 3):
-            i = np.uintp(3) * np.uintp(pixel)
-            r, g, b = source[i], source[i + np.uintp(1)], source[i + np.uintp(2)]
-            bad_here += not_finite(r, g, b)
+@kernel
+def encode(
+    first: int,
+    last: int,
+    pixels: Any,
+    channels: int,
+    ground: float,
+    to_ap1: Rows,
+    to_luminance: Rows,
+    codes: Any,
+    mono: Any,
+) -> Any:
+    """What is :func:`~flowabs_nodes.filters.pixels.seen` of a picture as ACEScct of R, G, B, and of its AP1 luminance.
+
+    That is the second row of ``to_luminance``.
+    """
+    total, count = same_floats(0.0), pixels.size // channels
+    for block in range(first, last):
+        i = first_of(block, count)
+        r, g, b = seen(pixels, channels, ground, i)
+        total = total + (doubt(r) + doubt(g) + doubt(b))
+        if mono.size > 0:
+            store(mono, i, _code(second(to_luminance, r, g, b)))
+        if codes.size > 0:
             r, g, b = mix(to_ap1, r, g, b)
-            target[i], target[i + np.uintp(1)], target[i + np.uintp(2)] = _code(r), _code(g), _code(b)
-        bad += bad_here
-    return bad
+            store_triples(codes, 3 * i, (_code(r), _code(g), _code(b)))
+    return doubtful(total)
 
 
-@numba.njit(parallel=True, nogil=True, cache=True, error_model="numpy")
-def decode(codes: np.ndarray, from_ap1: Rows, rgb: np.ndarray) -> int:
-    """ACEScct to scene-linear RGB. Returns how many pixels are not finite."""
-    bad = 0
-    for row in numba.prange(codes.shape[0]):
-        source, target = codes[row], rgb[row]
-        bad_here = 0
-        for pixel in range(source.size // 3):
-            i = np.uintp(3) * np.uintp(pixel)
-            r, g, b = source[i], source[i + np.uintp(1)], source[i + np.uintp(2)]
-            bad_here += not_finite(r, g, b)
-            r, g, b = mix(from_ap1, _linear(r), _linear(g), _linear(b))
-            target[i], target[i + np.uintp(1)], target[i + np.uintp(2)] = r, g, b
-        bad += bad_here
-    return bad
-
-
-@numba.njit(parallel=True, nogil=True, cache=True, error_model="numpy")
-def encode_mono(rgb: np.ndarray, to_luminance: Rows, codes: np.ndarray) -> int:
-    """Scene-linear RGB to ACEScct of its AP1 luminance, the second row of ``to_luminance``."""
-    bad = 0
-    for row in numba.prange(rgb.shape[0]):
-        source, target = rgb[row], codes[row]
-        bad_here = 0
-        for pixel in range(target.size):
-            i = np.uintp(3) * np.uintp(pixel)
-            r, g, b = source[i], source[i + np.uintp(1)], source[i + np.uintp(2)]
-            bad_here += not_finite(r, g, b)
-            target[np.uintp(pixel)] = _code(mix(to_luminance, r, g, b)[1])
-        bad += bad_here
-    return bad
+@kernel
+def decode(first: int, last: int, codes: Any, from_ap1: Rows, under: Any, lines: Any, ink: Any, pixels: Any) -> Any:
+    """ACEScct to scene-linear RGB, with alpha if there is a picture ``under`` it, and ink where there are ``lines``."""
+    total, count = same_floats(0.0), codes.size // 3
+    for block in range(first, last):
+        i = first_of(block, count)
+        r, g, b = load_triples(codes, 3 * i)
+        total = total + (doubt(r) + doubt(g) + doubt(b))
+        red, green, blue = mix(from_ap1, _linear(r), _linear(g), _linear(b))
+        alpha = same_floats(1.0)
+        if under.size > 0:
+            red, green, blue, alpha = covering(red, green, blue, under, i)
+        if lines.size > 0:
+            red, green, blue = over(red, green, blue, alpha, load(lines, i), ink)
+        if under.size > 0:
+            store_quads(pixels, 4 * i, (red, green, blue, alpha))
+        else:
+            store_triples(pixels, 3 * i, (red, green, blue))
+    return doubtful(total)

@@ -16,8 +16,17 @@ from flowabs_nodes.color.matrix import Rows, rows
 from flowabs_nodes.color.spaces import KNOWN, ColorSpace, normalised, to_ap1
 from flowabs_nodes.color.spaces import space as find_space
 from flowabs_nodes.errors import ArgumentError, nearest
+from flowabs_nodes.filters.arguments import refuse
+from flowabs_nodes.filters.composite import Ink
+from flowabs_nodes.filters.finite import vouch
+from flowabs_nodes.filters.pointwise import new_run, over_pixels, picture_of, run_of
+from flowabs_nodes.filters.quantize import Steps
 
 Array = npt.NDArray[np.float32]
+
+NOTHING = np.empty(0, np.float32)
+NO_STEPS = Steps()
+BARE = -1.0  # no ground at all: colours that are not multiplied by their alpha
 
 
 def encode(rgb: npt.ArrayLike, space: str = "lab", colorspace: ColorSpace | str = "lin_rec709") -> Array:
@@ -54,11 +63,7 @@ def encode(rgb: npt.ArrayLike, space: str = "lab", colorspace: ColorSpace | str 
     ----------
     CIE 15:2004; Academy S-2016-001 (ACEScct). Constants are colour-science's.
     """
-    to_space = _matrices(_checked(space), find_space(colorspace))[0]
-    source = _pixels("rgb", rgb)
-    codes = np.empty_like(source)
-    kernel = lab.encode if space == "lab" else acescct.encode
-    _finite("rgb", source, kernel(_flat(source), to_space, _flat(codes)))
+    codes, _ = encoded(_pixels("rgb", rgb), _checked(space), find_space(colorspace), mono=False)
     return codes
 
 
@@ -67,12 +72,7 @@ def decode(codes: npt.ArrayLike, space: str = "lab", colorspace: ColorSpace | st
 
     ``codes`` (H, W, 3); returns (H, W, 3) float32.
     """
-    from_space = _matrices(_checked(space), find_space(colorspace))[1]
-    source = _pixels("codes", codes)
-    rgb = np.empty_like(source)
-    kernel = lab.decode if space == "lab" else acescct.decode
-    _finite("codes", source, kernel(_flat(source), from_space, _flat(rgb)))
-    return rgb
+    return decoded(_pixels("codes", codes), _checked(space), find_space(colorspace))
 
 
 def encode_mono(rgb: npt.ArrayLike, space: str = "lab", colorspace: ColorSpace | str = "lin_rec709") -> Array:
@@ -81,15 +81,83 @@ def encode_mono(rgb: npt.ArrayLike, space: str = "lab", colorspace: ColorSpace |
     Returns (H, W) float32: L* x 2.55, the same bits as ``encode(...)[..., 0]``; or ACEScct of the AP1 luminance (the
     second row of AP1's matrix to XYZ) x 255 / ACEScct(1).
     """
-    forward, _, to_luminance = _matrices(_checked(space), find_space(colorspace))
-    source = _pixels("rgb", rgb)
-    mono = np.empty(source.shape[:2], np.float32)
-    if space == "lab":
-        bad = lab.encode_mono(_flat(source), forward, mono)
-    else:
-        bad = acescct.encode_mono(_flat(source), to_luminance, mono)
-    _finite("rgb", source, bad)
+    _, mono = encoded(_pixels("rgb", rgb), _checked(space), find_space(colorspace), codes=False)
     return mono
+
+
+def encoded(
+    pixels: Array,
+    space: str,
+    colorspace: ColorSpace,
+    *,
+    ground: float = BARE,
+    codes: bool = True,
+    mono: bool = True,
+) -> tuple[Array, Array]:
+    """Code values of a picture and of its lightness, made in one go; what is not asked for has no pixels.
+
+    ``pixels`` (H, W, 3), or premultiplied (H, W, 4): then of rgb + (1 - A) ``ground``, with the ground ``BARE`` of
+    rgb / A.
+    """
+    height, width, channels = pixels.shape
+    run = run_of(pixels, channels)
+    count = run.size // channels
+    colors, lightness = new_run(count, 3) if codes else NOTHING, new_run(count) if mono else NOTHING
+    forward, _, to_luminance = _matrices(space, colorspace)
+    if space == "lab":
+        bad = over_pixels(lab.encode, count, run, channels, float(ground), forward, colors, lightness)
+    else:
+        bad = over_pixels(acescct.encode, count, run, channels, float(ground), forward, to_luminance, colors, lightness)
+    if any(bad):
+        refuse("rgb", pixels)
+        raise ArgumentError("rgb: divided by alpha, there are pixels beyond float32", parameter="rgb")
+    return (
+        vouch(picture_of(colors, *((height, width) if codes else (0, 0)), 3)),
+        vouch(picture_of(lightness, *((height, width) if mono else (0, 0)))),
+    )
+
+
+def decoded(
+    codes: Array,
+    space: str,
+    colorspace: ColorSpace,
+    *,
+    steps: Steps = NO_STEPS,
+    under: Array | None = None,
+    lines: Array | None = None,
+    ink: Ink = (0.0, 0.0, 0.0, 0.0),
+) -> Array:
+    """Code values as a scene-linear picture: brought to ``steps`` of L* (space "lab" alone), ``lines`` in ink over it.
+
+    With the picture that codes are of ``under`` it, premultiplied (H, W, 4), its alpha is the result's too, and what
+    has no alpha stays.
+    """
+    height, width, _ = codes.shape
+    below = NOTHING if under is None else run_of(under, 4)
+    channels = 3 if under is None else 4
+    run = run_of(codes, 3)
+    count = run.size // 3
+    pixels = new_run(count, channels)
+    backward = _matrices(space, colorspace)[1]
+    drawing = NOTHING if lines is None else run_of(lines)
+    if space == "lab":
+        bad = over_pixels(lab.decode, count, run, backward, steps.numbers, below, drawing, ink, pixels)
+    else:
+        bad = over_pixels(acescct.decode, count, run, backward, below, drawing, ink, pixels)
+    if any(bad):
+        refuse("codes", codes)
+    return vouch(picture_of(pixels, height, width, channels))
+
+
+def flattened(pixels: Array, steps: Steps, colorspace: ColorSpace) -> Array:
+    """A scene-linear picture, (H, W, 3) or premultiplied (H, W, 4), brought to ``steps`` of L*."""
+    channels = pixels.shape[2]
+    run = run_of(pixels, channels)
+    flat = new_run(run.size // channels, channels)
+    forward = _matrices("lab", colorspace)[0]
+    if any(over_pixels(lab.flatten, run.size // channels, run, channels, forward, steps.numbers, flat)):
+        refuse("rgb", pixels)
+    return vouch(picture_of(flat, *pixels.shape))
 
 
 @cache
@@ -123,14 +191,3 @@ def _pixels(name: str, value: npt.ArrayLike) -> Array:
         raise ArgumentError(message, parameter=name)
     with np.errstate(over="ignore"):  # what is too large for float32 becomes Inf, and is counted
         return np.ascontiguousarray(array, np.float32)
-
-
-def _flat(pixels: Array) -> Array:
-    """(H, W, 3) as (H, 3 W), without a copy."""
-    return pixels.reshape(pixels.shape[0], -1)
-
-
-def _finite(name: str, source: Array, bad: int) -> None:
-    if bad:
-        count = int(source.size - np.isfinite(source).sum())
-        raise ArgumentError(f"{name}: expected finite pixels, found {count} that are NaN or Inf", parameter=name)

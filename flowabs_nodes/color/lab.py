@@ -3,90 +3,128 @@
 The kernels work with g = f - 16/116 instead of CIE's f: then L* = 116 g(Y), the toe is g = kappa/116 x without an
 offset to cancel against, and black, tiny and negative values keep all their digits.
 
-Arrays are (H, 3 W) or (H, W) float32, each row one run of memory (numba then vectorises over pixels).
+Pictures are runs of pixels (:mod:`~flowabs_nodes.filters.pointwise`); what is not wanted, or not there, is a run of no
+pixels. Each kernel returns whether there is a number that is not finite.
 """
 
 from __future__ import annotations
 
-import numba
-import numpy as np
+from typing import Any
 
 from flowabs_nodes.color import constants
 from flowabs_nodes.color.elementary import cube_root
-from flowabs_nodes.color.matrix import Rows, mix, not_finite
+from flowabs_nodes.color.matrix import Rows, mix, second
+from flowabs_nodes.filters.composite import over
+from flowabs_nodes.filters.kernels import inlined, kernel
+from flowabs_nodes.filters.pixels import covering, rgba, seen
+from flowabs_nodes.filters.pointwise import doubt, doubtful, first_of
+from flowabs_nodes.filters.quantize import middle
+from flowabs_nodes.filters.vector import (
+    absolute,
+    load,
+    load_triples,
+    maximum,
+    same_floats,
+    select,
+    store,
+    store_quads,
+    store_triples,
+)
 
-f32 = np.float32
-
-EPSILON = f32(constants.LAB_EPSILON)
-SLOPE = f32(constants.LAB_KAPPA / 116)
-OFFSET = f32(16 / 116)
-G_EPSILON = f32(6 / 29 - 16 / 116)  # g(EPSILON)
-L = f32(2.55 * 116)
-A = f32(2.55 * 500)
-B = f32(2.55 * 200)
+EPSILON = constants.LAB_EPSILON
+SLOPE = constants.LAB_KAPPA / 116
+OFFSET = 16 / 116
+G_EPSILON = 6 / 29 - 16 / 116  # g(EPSILON)
+L = 2.55 * 116
+A = 2.55 * 500
+B = 2.55 * 200
 
 
-@numba.njit(error_model="numpy")
-def _g(x: np.float32) -> np.float32:
-    above = cube_root(x) - OFFSET
-    return above if x > EPSILON else SLOPE * x
+@inlined
+def _g(x: Any) -> Any:
+    return select(x > EPSILON, cube_root(x) - OFFSET, SLOPE * x)
 
 
-@numba.njit(error_model="numpy")
-def _g_inverse(g: np.float32) -> np.float32:
+@inlined
+def _g_inverse(g: Any) -> Any:
     f = g + OFFSET
-    return f * f * f if g > G_EPSILON else g * f32(1 / SLOPE)
+    return select(g > G_EPSILON, f * f * f, g * (1 / SLOPE))
 
 
-@numba.njit(parallel=True, nogil=True, cache=True, error_model="numpy")
-def encode(rgb: np.ndarray, to_xyz: Rows, codes: np.ndarray) -> int:
-    """Scene-linear RGB to L*, a*, b*; ``to_xyz`` is over the white. Returns how many pixels are not finite."""
-    bad = 0
-    for row in numba.prange(rgb.shape[0]):
-        source, target = rgb[row], codes[row]
-        bad_here = 0
-        for pixel in range(source.size // 3):
-            i = np.uintp(3) * np.uintp(pixel)
-            r, g, b = source[i], source[i + np.uintp(1)], source[i + np.uintp(2)]
-            bad_here += not_finite(r, g, b)
-            x, y, z = mix(to_xyz, r, g, b)
-            gx, gy, gz = _g(x), _g(y), _g(z)
-            target[i] = L * gy
-            target[i + np.uintp(1)] = A * (gx - gy)
-            target[i + np.uintp(2)] = B * (gy - gz)
-        bad += bad_here
-    return bad
+@inlined
+def _gain(gy: Any, steps: Any) -> Any:
+    """Y(Q) / Y(L*), L* = 116 g, L* at least 1."""
+    lightness = 116.0 * gy
+    return _g_inverse(middle(lightness, steps) * (1 / 116)) / _g_inverse(maximum(lightness, 1.0) * (1 / 116))
 
 
-@numba.njit(parallel=True, nogil=True, cache=True, error_model="numpy")
-def decode(codes: np.ndarray, from_xyz: Rows, rgb: np.ndarray) -> int:
-    """L*, a*, b* to scene-linear RGB; ``from_xyz`` is over the white. Returns how many pixels are not finite."""
-    bad = 0
-    for row in numba.prange(codes.shape[0]):
-        source, target = codes[row], rgb[row]
-        bad_here = 0
-        for pixel in range(source.size // 3):
-            i = np.uintp(3) * np.uintp(pixel)
-            lightness, a, b = source[i], source[i + np.uintp(1)], source[i + np.uintp(2)]
-            bad_here += not_finite(lightness, a, b)
-            gy = lightness * f32(1 / L)
-            x, y, z = _g_inverse(gy + a * f32(1 / A)), _g_inverse(gy), _g_inverse(gy - b * f32(1 / B))
-            target[i], target[i + np.uintp(1)], target[i + np.uintp(2)] = mix(from_xyz, x, y, z)
-        bad += bad_here
-    return bad
+@kernel
+def encode(
+    first: int, last: int, pixels: Any, channels: int, ground: float, to_xyz: Rows, codes: Any, mono: Any
+) -> Any:
+    """What is :func:`~flowabs_nodes.filters.pixels.seen` of a picture as L*, a*, b*, and as L* alone.
+
+    ``to_xyz`` is over the white.
+    """
+    total, count = same_floats(0.0), pixels.size // channels
+    for block in range(first, last):
+        i = first_of(block, count)
+        r, g, b = seen(pixels, channels, ground, i)
+        total = total + (doubt(r) + doubt(g) + doubt(b))
+        gy = _g(second(to_xyz, r, g, b))
+        if mono.size > 0:
+            store(mono, i, L * gy)
+        if codes.size > 0:
+            x, _, z = mix(to_xyz, r, g, b)
+            store_triples(codes, 3 * i, (L * gy, A * (_g(x) - gy), B * (gy - _g(z))))
+    return doubtful(total)
 
 
-@numba.njit(parallel=True, nogil=True, cache=True, error_model="numpy")
-def encode_mono(rgb: np.ndarray, to_xyz: Rows, codes: np.ndarray) -> int:
-    """Scene-linear RGB to L* alone, the same bits as from :func:`encode`."""
-    bad = 0
-    for row in numba.prange(rgb.shape[0]):
-        source, target = rgb[row], codes[row]
-        bad_here = 0
-        for pixel in range(target.size):
-            i = np.uintp(3) * np.uintp(pixel)
-            r, g, b = source[i], source[i + np.uintp(1)], source[i + np.uintp(2)]
-            bad_here += not_finite(r, g, b)
-            target[np.uintp(pixel)] = L * _g(mix(to_xyz, r, g, b)[1])
-        bad += bad_here
-    return bad
+@kernel
+def decode(
+    first: int, last: int, codes: Any, from_xyz: Rows, steps: Any, under: Any, lines: Any, ink: Any, pixels: Any
+) -> Any:
+    """L*, a*, b* to scene-linear RGB; ``from_xyz`` is over the white.
+
+    On the way L* is brought to its step by a gain on RGB (section 4.1), if there are any; then comes alpha, if there is
+    a picture ``under`` it, and ink, if there are ``lines``.
+    """
+    total, count = same_floats(0.0), codes.size // 3
+    for block in range(first, last):
+        i = first_of(block, count)
+        lightness, a, b = load_triples(codes, 3 * i)
+        total = total + (doubt(lightness) + doubt(a) + doubt(b))
+        gy = lightness * (1 / L)
+        x, y, z = _g_inverse(gy + a * (1 / A)), _g_inverse(gy), _g_inverse(gy - b * (1 / B))
+        red, green, blue = mix(from_xyz, x, y, z)
+        if steps[0] > 0:
+            gain = _gain(gy, steps)
+            red, green, blue = red * gain, green * gain, blue * gain
+        alpha = same_floats(1.0)
+        if under.size > 0:
+            red, green, blue, alpha = covering(red, green, blue, under, i)
+        if lines.size > 0:
+            red, green, blue = over(red, green, blue, alpha, load(lines, i), ink)
+        if under.size > 0:
+            store_quads(pixels, 4 * i, (red, green, blue, alpha))
+        else:
+            store_triples(pixels, 3 * i, (red, green, blue))
+    return doubtful(total)
+
+
+@kernel
+def flatten(first: int, last: int, pixels: Any, channels: int, to_xyz: Rows, steps: Any, flat: Any) -> Any:
+    """A picture with L* brought to its step, by a gain on scene-linear RGB (section 4.1); alpha as it was."""
+    total, count = same_floats(0.0), pixels.size // channels
+    for block in range(first, last):
+        i = first_of(block, count)
+        r, g, b = seen(pixels, channels, -1.0, i)
+        total = total + (doubt(r) + doubt(g) + doubt(b))
+        gain = _gain(_g(second(to_xyz, r, g, b)), steps)
+        r, g, b, a = rgba(pixels, channels, i)
+        gain = select(absolute(a) > 0.0, gain, same_floats(1.0))
+        if channels == 4:
+            store_quads(flat, 4 * i, (r * gain, g * gain, b * gain, a))
+        else:
+            store_triples(flat, 3 * i, (r * gain, g * gain, b * gain))
+    return doubtful(total)

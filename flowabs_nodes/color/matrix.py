@@ -9,11 +9,13 @@ steep.
 
 from __future__ import annotations
 
-import numba
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
-f32, f64 = np.float32, np.float64
+from flowabs_nodes.filters.vector import from_doubles, inlined, to_doubles
+
 #: The two off-diagonal numbers of each row.
 Rows = tuple[float, float, float, float, float, float]
 
@@ -24,18 +26,19 @@ def rows(matrix: npt.NDArray[np.float64]) -> Rows:
     return (m01, m02, m10, m12, m20, m21)
 
 
-@numba.njit(error_model="numpy")
-def mix(m: Rows, r: float, g: float, b: float) -> tuple[np.float32, np.float32, np.float32]:
+@inlined
+def mix(m: Rows, r: Any, g: Any, b: Any) -> Any:
     """The matrix times (r, g, b)."""
-    r, g, b = f64(r), f64(g), f64(b)
+    r, g, b = to_doubles(r), to_doubles(g), to_doubles(b)
     return (
-        f32(r + (m[0] * (g - r) + m[1] * (b - r))),
-        f32(g + (m[2] * (r - g) + m[3] * (b - g))),
-        f32(b + (m[4] * (r - b) + m[5] * (g - b))),
+        from_doubles(r + (m[0] * (g - r) + m[1] * (b - r))),
+        from_doubles(g + (m[2] * (r - g) + m[3] * (b - g))),
+        from_doubles(b + (m[4] * (r - b) + m[5] * (g - b))),
     )
 
 
-@numba.njit(error_model="numpy")
-def not_finite(r: float, g: float, b: float) -> bool:
-    """True where any of the three is NaN or Inf (x - x is 0 for all other numbers)."""
-    return (r - r) + (g - g) + (b - b) != f32(0)
+@inlined
+def second(m: Rows, r: Any, g: Any, b: Any) -> Any:
+    """The second number of :func:`mix`."""
+    r, g, b = to_doubles(r), to_doubles(g), to_doubles(b)
+    return from_doubles(g + (m[2] * (r - g) + m[3] * (b - g)))

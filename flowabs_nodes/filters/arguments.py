@@ -9,18 +9,23 @@ import numpy as np
 import numpy.typing as npt
 
 from flowabs_nodes.errors import ArgumentError, nearest
+from flowabs_nodes.filters.finite import is_finite
 
 Array = npt.NDArray[np.float32]
 
 
-def plane(name: str, value: npt.ArrayLike, shape: tuple[int, ...] | None = None) -> Array:
-    """``value`` as a C-contiguous (H, W) float32 array of finite numbers; ``shape`` is the picture it has to fit."""
-    return _fitting(name, _array(name, value, "(H, W)", lambda found: len(found) == 2), shape)
+def plane(name: str, value: npt.ArrayLike, shape: tuple[int, ...] | None = None, *, looks: bool = False) -> Array:
+    """``value`` as a C-contiguous (H, W) float32 array of finite numbers; ``shape`` is the picture it has to fit.
+
+    Where the kernel ``looks`` at every number itself, nothing is said here about those that are not finite: see
+    :func:`refuse`.
+    """
+    return _fitting(name, _array(name, value, "(H, W)", lambda found: len(found) == 2, looks), shape)
 
 
-def planes(name: str, value: npt.ArrayLike) -> Array:
-    """``value`` as a C-contiguous (H, W, 3) float32 array of finite numbers."""
-    return _array(name, value, "(H, W, 3)", lambda shape: len(shape) == 3 and shape[2] == 3)
+def planes(name: str, value: npt.ArrayLike, *, looks: bool = False) -> Array:
+    """``value`` as a C-contiguous (H, W, 3) float32 array of finite numbers; ``looks`` as for :func:`plane`."""
+    return _array(name, value, "(H, W, 3)", lambda shape: len(shape) == 3 and shape[2] == 3, looks)
 
 
 def plane_or_planes(name: str, value: npt.ArrayLike) -> Array:
@@ -100,7 +105,14 @@ def flag(name: str, value: Any) -> bool:
     return bool(value)
 
 
-def _array(name: str, value: npt.ArrayLike, shapes: str, fits: Any) -> Array:
+def refuse(name: str, array: Array) -> None:
+    """Raise ArgumentError, with their count, if there are numbers in ``array`` that are not finite."""
+    bad = int(array.size - np.isfinite(array).sum())
+    if bad:
+        raise ArgumentError(f"{name}: expected finite pixels, found {bad} that are NaN or Inf", parameter=name)
+
+
+def _array(name: str, value: npt.ArrayLike, shapes: str, fits: Any, looks: bool = False) -> Array:
     array = np.asarray(value)
     if array.dtype.kind not in "fiub":
         raise ArgumentError(
@@ -112,11 +124,8 @@ def _array(name: str, value: npt.ArrayLike, shapes: str, fits: Any) -> Array:
         )
     if array.shape[0] * array.shape[1] >= 2**31:
         raise ArgumentError(f"{name}: expected fewer than 2^31 pixels, found {array.shape}", parameter=name)
-    with np.errstate(over="ignore", invalid="ignore"):  # numbers beyond float32; Inf - Inf
+    with np.errstate(over="ignore"):  # numbers beyond float32 become Inf
         result: Array = np.ascontiguousarray(array, np.float32)
-        # One pass that makes no copy: a sum of finite float32 numbers in float64 is finite.
-        total = float(result.sum(dtype=np.float64))
-    if not math.isfinite(total):
-        bad = int(result.size - np.isfinite(result).sum())
-        raise ArgumentError(f"{name}: expected finite pixels, found {bad} that are NaN or Inf", parameter=name)
+    if not looks and not is_finite(result):
+        refuse(name, result)
     return result

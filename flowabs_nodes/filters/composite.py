@@ -7,12 +7,16 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from numba import prange
 
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import arguments
 from flowabs_nodes.filters.arguments import Array
-from flowabs_nodes.filters.kernels import parallel_kernel
+from flowabs_nodes.filters.kernels import inlined, kernel
+from flowabs_nodes.filters.pixels import rgba
+from flowabs_nodes.filters.pointwise import doubt, doubtful, first_of, new_run, over_pixels, picture_of, run_of
+from flowabs_nodes.filters.vector import load, same_floats, store_quads, store_triples
+
+Ink = tuple[float, float, float, float]  # red, green, blue and opacity
 
 
 def composite(
@@ -46,25 +50,50 @@ def composite(
     ArgumentError
         For another shape or dtype, pixels that are not finite, or a parameter out of range.
     """
-    rgb = arguments.planes("rgb", rgb)
-    lines = arguments.plane("lines", lines, rgb.shape)
-    coverage = (
-        np.broadcast_to(np.float32(1), rgb.shape[:2]) if alpha is None else arguments.plane("alpha", alpha, rgb.shape)
-    )
+    rgb = arguments.planes("rgb", rgb, looks=True)
+    lines = arguments.plane("lines", lines, rgb.shape, looks=True)
+    coverage = None if alpha is None else arguments.plane("alpha", alpha, rgb.shape, looks=True)
     opacity = arguments.number("opacity", opacity, min=0, max=1)
-    color = tuple(np.float32(arguments.number("ink", value)) for value in ink)
+    color = tuple(arguments.number("ink", value) for value in ink)
     if len(color) != 3:
         raise ArgumentError(f"ink: expected three numbers, found {len(color)}", parameter="ink")
-    inked = np.empty_like(rgb)
-    _composite(rgb, lines, color, np.float32(opacity), coverage, inked)
-    return inked
+    return inked(rgb, lines, (*color, opacity), coverage)
 
 
-@parallel_kernel
-def _composite(rgb: Any, lines: Any, ink: Any, opacity: Any, alpha: Any, inked: Any) -> None:
-    height, width, _ = rgb.shape
-    for y in prange(height):
-        for x in range(width):
-            k = (np.float32(1.0) - lines[y, x]) * opacity
-            for c in range(3):
-                inked[y, x, c] = rgb[y, x, c] * (np.float32(1.0) - k) + ink[c] * alpha[y, x] * k
+def inked(pixels: Array, lines: Array, ink: Ink, alpha: Array | None = None) -> Array:
+    """Ink over a picture of (H, W, 3), or one of (H, W, 4) with its own alpha, which stays."""
+    channels = pixels.shape[2]
+    drawing, there = run_of(lines), np.empty(0, np.float32) if alpha is None else run_of(alpha)
+    result = new_run(lines.size, channels)
+    if any(over_pixels(_composite, drawing.size, run_of(pixels, channels), channels, drawing, ink, there, result)):
+        for name, array in (("rgb", pixels), ("lines", lines), ("alpha", alpha)):
+            if array is not None:
+                arguments.refuse(name, array)
+    return picture_of(result, *pixels.shape)
+
+
+@kernel
+def _composite(first: int, last: int, pixels: Any, channels: int, lines: Any, ink: Ink, alpha: Any, result: Any) -> Any:
+    total = same_floats(0.0)
+    for block in range(first, last):
+        i = first_of(block, lines.size)
+        r, g, b, a = rgba(pixels, channels, i)
+        if alpha.size > 0:
+            a = load(alpha, i)
+        line = load(lines, i)
+        total = total + (doubt(r) + doubt(g) + doubt(b)) + (doubt(a) + doubt(line))
+        r, g, b = over(r, g, b, a, line, ink)
+        if channels == 4:
+            store_quads(result, 4 * i, (r, g, b, a))
+        else:
+            store_triples(result, 3 * i, (r, g, b))
+    return doubtful(total)
+
+
+@inlined
+def over(r: Any, g: Any, b: Any, a: Any, line: Any, ink: Ink) -> Any:
+    """Ink on premultiplied pixels."""
+    red, green, blue, opacity = ink
+    k = (1.0 - line) * opacity
+    paper, cover = 1.0 - k, a * k
+    return r * paper + cover * red, g * paper + cover * green, b * paper + cover * blue

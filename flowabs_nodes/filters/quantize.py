@@ -2,15 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
-import numpy as np
 import numpy.typing as npt
-from numba import prange
 
 from flowabs_nodes.filters import arguments
 from flowabs_nodes.filters.arguments import Array
-from flowabs_nodes.filters.kernels import parallel_kernel
+from flowabs_nodes.filters.kernels import inlined, kernel
+from flowabs_nodes.filters.pointwise import doubt, doubtful, first_of, new_run, over_pixels, picture_of, run_of
+from flowabs_nodes.filters.vector import (
+    floor,
+    from_doubles,
+    load,
+    maximum,
+    minimum,
+    rint,
+    same_floats,
+    select,
+    store,
+    to_doubles,
+)
 
 
 def quantize(lstar: npt.ArrayLike, levels: int = 8, softness: float = 0.0) -> Array:
@@ -38,24 +49,51 @@ def quantize(lstar: npt.ArrayLike, levels: int = 8, softness: float = 0.0) -> Ar
     ArgumentError
         For another shape or dtype, pixels that are not finite, or a parameter out of range.
     """
-    lstar = arguments.plane("lstar", lstar)
-    levels = arguments.whole("levels", levels, min=1)
-    softness = arguments.number("softness", softness, min=0, max=1)
-    flat = np.empty_like(lstar)
-    _quantize(lstar, 100.0 / levels, softness, flat)
-    return flat
+    lstar = arguments.plane("lstar", lstar, looks=True)
+    steps = Steps(arguments.whole("levels", levels, min=1), arguments.number("softness", softness, min=0, max=1))
+    run, flat = run_of(lstar), new_run(lstar.size)
+    if any(over_pixels(_quantize, run.size, run, steps.numbers, flat)):
+        arguments.refuse("lstar", lstar)
+    return picture_of(flat, *lstar.shape)
 
 
-@parallel_kernel
-def _quantize(lstar: Any, size: float, softness: float, flat: Any) -> None:
-    height, width = lstar.shape
-    for y in prange(height):
-        for x in range(width):
-            level = lstar[y, x] / size
-            if softness == 0:
-                q = max(1.0, np.ceil(level - 1e-3)) - 0.5
-            else:
-                edge = np.rint(level)
-                t = min(max((level - edge) / softness + 0.5, 0.0), 1.0)
-                q = edge - 0.5 + t * t * (3.0 - 2.0 * t)
-            flat[y, x] = np.float32(q * size)
+class Steps(NamedTuple):
+    """The parameters of :func:`quantize`; no ``levels`` leave a picture as it is."""
+
+    levels: int = 0
+    softness: float = 0.0
+
+    @property
+    def numbers(self) -> tuple[float, float]:
+        """What :func:`middle` needs: levels per L*, 0 for none, and softness."""
+        return self.levels / 100, float(self.softness)
+
+
+@kernel
+def _quantize(first: int, last: int, lstar: Any, steps: Any, flat: Any) -> Any:
+    total = same_floats(0.0)
+    for block in range(first, last):
+        i = first_of(block, lstar.size)
+        lightness = load(lstar, i)
+        total = total + doubt(lightness)
+        store(flat, i, middle(lightness, steps))
+    return doubtful(total)
+
+
+@inlined
+def middle(lightness: Any, steps: Any) -> Any:
+    """Q of L*."""
+    per, softness = steps
+    level = to_doubles(lightness) * per
+    if softness == 0:
+        return (maximum(_ceil(level - 1e-3), 1.0) - 0.5) * (1 / per)
+    edge = rint(from_doubles(level))
+    t = minimum(maximum(from_doubles(level - to_doubles(edge)) * (1 / softness) + 0.5, 0.0), 1.0)
+    return (edge - 0.5 + t * t * (3.0 - 2.0 * t)) * (1 / per)
+
+
+@inlined
+def _ceil(x: Any) -> Any:
+    """The next whole number of doubles, as floats."""
+    near = -floor(-from_doubles(x))
+    return select(x > to_doubles(near), near + 1.0, near)  # what is just above it was rounded to it

@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from numba import prange
 
 from flowabs_nodes.filters import arguments
 from flowabs_nodes.filters.arguments import Array
-from flowabs_nodes.filters.kernels import parallel_kernel
+from flowabs_nodes.filters.kernels import kernel
+from flowabs_nodes.filters.pointwise import doubt, doubtful, first_of, new_run, over_pixels, picture_of, run_of
+from flowabs_nodes.filters.vector import load, maximum, minimum, same_floats, select, store
 
 
 def threshold(response: npt.ArrayLike, tau: float = 0.5, contrast: float | None = None, softness: float = 0.0) -> Array:
@@ -37,7 +38,7 @@ def threshold(response: npt.ArrayLike, tau: float = 0.5, contrast: float | None 
     ArgumentError
         For another shape or dtype, pixels that are not finite, or a parameter out of range.
     """
-    response = arguments.plane("response", response)
+    response = arguments.plane("response", response, looks=True)
     tau = arguments.number("tau", tau, min=0, max=1)
     softness = arguments.number("softness", softness, min=0)
     if contrast is not None:
@@ -46,19 +47,37 @@ def threshold(response: npt.ArrayLike, tau: float = 0.5, contrast: float | None 
         contrast = math.inf
     else:
         contrast = (math.log(2 - tau) - math.log(tau)) / 2  # -atanh(tau - 1), also where tau - 1 rounds to -1
-    lines = np.empty_like(response)
-    _threshold(response, -contrast, softness, lines)
-    return lines
+    run, lines = run_of(response), new_run(response.size)
+    if any(over_pixels(_threshold, run.size, run, *_ramp(-contrast, softness), lines)):
+        arguments.refuse("response", response)
+    return picture_of(lines, *response.shape)
 
 
-@parallel_kernel
-def _threshold(response: Any, paper: float, softness: float, lines: Any) -> None:
-    """Paper from ``paper`` on. Compared in float64: the float32 next to it would be another threshold."""
-    height, width = response.shape
-    for y in prange(height):
-        for x in range(width):
-            if softness == 0 or paper == -np.inf:
-                lines[y, x] = np.float32(0.0) if response[y, x] < paper else np.float32(1.0)
-            else:
-                t = min(max((response[y, x] - paper) / softness + 1.0, 0.0), 1.0)
-                lines[y, x] = np.float32(t * t * (3.0 - 2.0 * t))
+def _ramp(paper: float, softness: float) -> tuple[np.float32, np.float32, np.float32]:
+    """Where paper begins, the rest of that number, and the slope of the ramp before it; 0 is a step.
+
+    The step is as exact as float64 would have it: float32 are below ``paper`` if they are below the next float32.
+    """
+    with np.errstate(over="ignore"):
+        edge = np.float32(paper)
+        above = edge if edge >= paper else np.nextafter(edge, np.float32(np.inf))
+    if softness == 0 or np.isinf(edge):
+        return above, np.float32(0), np.float32(0)
+    slope = min(max(1 / softness, 1e-37), 1e37)  # some normal number
+    return edge, np.float32(paper - float(edge)), np.float32(slope)
+
+
+@kernel
+def _threshold(first: int, last: int, response: Any, paper: Any, rest: Any, slope: Any, lines: Any) -> Any:
+    total = same_floats(0.0)
+    for block in range(first, last):
+        i = first_of(block, response.size)
+        h = load(response, i)
+        total = total + doubt(h)
+        if slope == 0:
+            line = select(h < paper, same_floats(0.0), same_floats(1.0))
+        else:
+            t = minimum(maximum(((h - paper) - rest) * slope + 1.0, 0.0), 1.0)
+            line = t * t * (3.0 - 2.0 * t)
+        store(lines, i, line)
+    return doubtful(total)

@@ -1,17 +1,24 @@
 """The kernels' own functions against float64, over every binade."""
 
-import numba
 import numpy as np
+from numba import njit
 
 from flowabs_nodes.color import elementary
+from flowabs_nodes.filters.vector import LANES, load, store
 
 
-@numba.njit
 def _each(function, values):
-    result = np.empty_like(values)
-    for i in range(values.size):
-        result[i] = function(values[i])
-    return result
+    """A function of sixteen floats of every value."""
+
+    @njit(error_model="numpy", fastmath={"contract"})
+    def loop(values, result):
+        for i in range(0, values.size, LANES):
+            store(result, i, function(load(values, i)))
+
+    padded = np.append(values, np.ones(-values.size % LANES, np.float32))
+    result = np.empty_like(padded)
+    loop(padded, result)
+    return result[: values.size]
 
 
 NORMAL = np.arange(0x00800000, 0x7F800000, 9973, dtype=np.int32).view(np.float32)  # every exponent
