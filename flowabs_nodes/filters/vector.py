@@ -32,7 +32,6 @@ from numba.core import cgutils
 from numba.core.imputils import lower_builtin, lower_cast
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import intrinsic, models, register_model
-from numba.np.arrayobj import populate_array
 
 from flowabs_nodes.filters.kernels import inlined as inlined  # for whoever has everything from here
 from flowabs_nodes.filters.processor import PATH
@@ -42,6 +41,7 @@ LANES = 16
 _I32, _I64, _F32, _F64 = ir.IntType(32), ir.IntType(64), ir.FloatType(), ir.DoubleType()
 _FLOATS, _DOUBLES, _INTS, _MASKS = (ir.VectorType(element, LANES) for element in (_F32, _F64, _I32, ir.IntType(1)))
 _CONTRACT = ("contract",)
+_LOW = 0 if sys.byteorder == "little" else 1  # which half of 64 bits comes first in memory
 
 
 class Vector(types.Type):  # type: ignore[misc]
@@ -230,6 +230,19 @@ def to_ints(typingctx: Any, x: Any) -> Any:
 
 
 @intrinsic
+def nearest_ints(typingctx: Any, x: Any) -> Any:
+    """Doubles to the nearest whole numbers, half to even; modulo 2^32 if they are below 2^51."""
+
+    def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
+        # In 2^52 + 2^51 + x the last bit counts ones: the whole number is the lower half of what it is made of.
+        moved = builder.fadd(values[0], _constant(_DOUBLES, 1.5 * 2.0**52))
+        halves = builder.bitcast(moved, ir.VectorType(_I32, 2 * LANES))
+        return _shuffle(builder, halves, halves, range(_LOW, 2 * LANES, 2))
+
+    return ints(doubles), generate
+
+
+@intrinsic
 def select(typingctx: Any, where: Any, then: Any, otherwise: Any) -> Any:
     """``then`` in the lanes of the mask, ``otherwise`` in the others."""
     kind = then if isinstance(then, Vector) else otherwise
@@ -250,7 +263,7 @@ def maximum(x: Any, y: Any) -> Any:
 
 
 def _place(context: Any, builder: Any, array_type: Any, array: Any, i: Any, pointee: Any) -> Any:
-    data = context.make_array(array_type)(context, builder, array).data
+    data = array if isinstance(array_type, Memory) else context.make_array(array_type)(context, builder, array).data
     i = builder.sext(i, _I64) if i.type.width < 64 else i
     return builder.bitcast(builder.gep(data, [i]), pointee.as_pointer())
 
@@ -289,30 +302,33 @@ def store(typingctx: Any, array: Any, i: Any, vector: Any) -> Any:
     return types.void(array, i, kind), generate
 
 
+class Memory(types.Type):  # type: ignore[misc]
+    """The numba type of :func:`scratch` memory: of an array only where it begins, which compiles faster."""
+
+    def __init__(self, dtype: Any) -> None:
+        super().__init__(f"memory({dtype})")
+        self.dtype = dtype
+
+
+@register_model(Memory)
+class _MemoryModel(models.PrimitiveModel):  # type: ignore[misc]
+    def __init__(self, manager: Any, fe_type: Any) -> None:
+        super().__init__(manager, fe_type, manager.lookup(fe_type.dtype).get_value_type().as_pointer())
+
+
 @intrinsic
 def scratch(typingctx: Any, dtype: Any, count: Any) -> Any:
-    """Memory for ``count`` (a constant) vectors on the stack of the kernel that asks: an array, not initialised."""
+    """Memory for ``count`` (a constant) vectors on the stack of the kernel that asks, to load from and store to."""
     if not isinstance(count, types.IntegerLiteral):
         return None  # numba asks again with the constant
-    array, size = types.Array(dtype.dtype, 1, "C"), LANES * count.literal_value
 
     def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
-        number = context.get_data_type(array.dtype)
-        memory = cgutils.alloca_once(builder, ir.ArrayType(number, size))
+        pointer = context.get_value_type(sig.return_type)
+        memory = cgutils.alloca_once(builder, ir.ArrayType(pointer.pointee, LANES * count.literal_value))
         memory.align = 64
-        itemsize = context.get_constant(types.intp, context.get_abi_sizeof(number))
-        value = context.make_array(array)(context, builder)
-        populate_array(
-            value,
-            data=builder.bitcast(memory, number.as_pointer()),
-            shape=(context.get_constant(types.intp, size),),
-            strides=(itemsize,),
-            itemsize=itemsize,
-            meminfo=None,
-        )
-        return value._getvalue()
+        return builder.bitcast(memory, pointer)
 
-    return array(dtype, count), generate
+    return Memory(dtype.dtype)(dtype, count), generate
 
 
 def _prefetcher(to_write: bool) -> Any:
@@ -355,9 +371,8 @@ def _addresses(builder: Any, indices: Any) -> list[Any]:
     opaque = ir.InlineAsm(ir.FunctionType(_I64.as_pointer(), [_I64.as_pointer()]), "", "=r,0")
     first = builder.call(opaque, [builder.bitcast(indices, _I64.as_pointer())])
     two = [builder.load(builder.gep(first, [_I64(k)])) for k in range(LANES // 2)]
-    low = 0 if sys.byteorder == "little" else 1
     return [
-        builder.ashr(both, _I64(32)) if lane != low else builder.sext(builder.trunc(both, _I32), _I64)
+        builder.ashr(both, _I64(32)) if lane != _LOW else builder.sext(builder.trunc(both, _I32), _I64)
         for both in two
         for lane in range(2)
     ]

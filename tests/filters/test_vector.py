@@ -160,22 +160,25 @@ def test_reading_at_scattered_places() -> None:
 
 
 @njit
-def _by_way_of_scratch(x: Any, whole: Any, nearest: Any, below: Any) -> None:
+def _by_way_of_scratch(x: Any, whole: Any, nearest: Any, ties_to_even: Any, below: Any) -> None:
     kept = vector.scratch(np.float64, 3)
     store(kept, 32, vector.to_doubles(load(x, 0)))
     vector.soon_read(x, 10**9)  # only ever a hint
     vector.soon_written(x, -1)
     store(whole, 0, vector.to_ints(load(kept, 32)))
     store(nearest, 0, vector.rint(load(kept, 32)))
+    store(ties_to_even, 0, vector.nearest_ints(load(kept, 32)))
     store(below, 0, vector.floor(load(kept, 32)))
 
 
 def test_doubles_in_scratch_memory() -> None:
-    whole, nearest, below = np.zeros(LANES, np.int32), np.zeros(LANES), np.zeros(LANES)
+    whole, even = np.zeros((2, LANES), np.int32)
+    nearest, below = np.zeros((2, LANES))
     x = np.where(np.arange(LANES) < 8, np.arange(LANES) - 3.5, X).astype(np.float32)
-    _by_way_of_scratch(x, whole, nearest, below)
+    _by_way_of_scratch(x, whole, nearest, even, below)
     np.testing.assert_array_equal(whole, np.trunc(x))
     np.testing.assert_array_equal(nearest, np.rint(x))
+    np.testing.assert_array_equal(even, np.rint(x))
     np.testing.assert_array_equal(below, np.floor(x))
 
 
