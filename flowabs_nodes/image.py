@@ -10,6 +10,7 @@ import numpy.typing as npt
 import OpenImageIO as oiio
 
 from flowabs_nodes import color
+from flowabs_nodes.color.undecoded import Undecoded
 from flowabs_nodes.errors import ArgumentError, nearest
 
 Array = npt.NDArray[np.float32]
@@ -95,8 +96,10 @@ class Image:
         self.origin = origin
         self._spec = spec
         self._pixels = None if pixels is None else np.ascontiguousarray(pixels, np.float32)
+        self._undecoded: Undecoded | None = None
         self._codes: dict[tuple[str, float | None], Array] = {}
         self._monos: dict[tuple[str, float | None], Array] = {}
+        self._expected: frozenset[str] = frozenset()
         self._alpha: Array | None = None
         self._alpha_known = False
 
@@ -136,25 +139,28 @@ class Image:
     def pixels(self) -> Array:
         """(H, W, C) float32; decoded from code values the first time, where a filter left those."""
         if self._pixels is None:
-            (space, _), codes = next(iter(self._codes.items()))
-            rgb = color.decode(codes, space=space, colorspace=self.colorspace)
-            alpha = self.alpha
-            if alpha is not None:
-                rgb = rgb * alpha[..., None]
-            if self._alpha is not None:
-                rgb = np.concatenate([rgb, self._alpha[..., None]], axis=2)
-            self._pixels = np.ascontiguousarray(rgb)
+            from flowabs_nodes.color.codes import decoded
+
+            assert self._undecoded is not None
+            self._pixels = decoded(self._undecoded, self.colorspace)
         return self._pixels
+
+    @property
+    def undecoded(self) -> Undecoded | None:
+        """What pixels are made of where a filter left code values, else None."""
+        return self._undecoded
 
     @property
     def alpha(self) -> Array | None:
         """(H, W) coverage, or None where the image is opaque: no A, or A = 1 in every pixel."""
         if not self._alpha_known:
-            if "A" in self.channels and self.type == "color" and self._pixels is not None:
-                self._alpha = np.ascontiguousarray(self._pixels[..., 3])
+            if "A" in self.channels and self.type == "color":
+                pixels = self._undecoded.under if self._undecoded else self._pixels
+                assert pixels is not None
+                alpha = np.ascontiguousarray(pixels[..., 3])
+                self._alpha = None if bool((alpha == 1).all()) else alpha
             self._alpha_known = True
-            self._opaque = self._alpha is None or bool((self._alpha == 1).all())
-        return None if self._opaque else self._alpha
+        return self._alpha
 
     def encoded(self, space: str = "lab", *, ground: float | None = None) -> Array:
         """(H, W, 3) float32 code values of a color image.
@@ -163,36 +169,36 @@ class Image:
         rgb + (1 - A) ground, what looking nodes see. The same array when the image is opaque.
         """
         self._needs_color("encoded")
-        if self.alpha is None:
-            ground = None
-        key = (space, ground)
-        if key not in self._codes:
-            self._codes[key] = color.encode(self._seen(ground), space=space, colorspace=self.colorspace)
-        return self._codes[key]
+        ground = None if self.alpha is None else ground
+        if ground is None and self._undecoded and self._undecoded.plain and self._undecoded.space == space:
+            return self._undecoded.codes
+        if (space, ground) not in self._codes:
+            self._encode(space, ground, mono=False)
+        return self._codes[space, ground]
 
     def encoded_mono(self, space: str = "lab", *, ground: float | None = None) -> Array:
         """(H, W) float32 code values of the lightness: L* (lab), or ACEScct of the AP1 luminance (acescct)."""
         self._needs_color("encoded_mono")
-        if self.alpha is None:
-            ground = None
-        key = (space, ground)
-        if key not in self._monos:
-            if key in self._codes and space == "lab":
-                self._monos[key] = np.ascontiguousarray(self._codes[key][..., 0])
+        ground = None if self.alpha is None else ground
+        if (space, ground) not in self._monos:
+            undecoded = self._undecoded
+            if ground is None and space == "lab" and undecoded and undecoded.plain and undecoded.space == space:
+                self._monos[space, ground] = np.ascontiguousarray(undecoded.codes[..., 0])
             else:
-                rgb = self._seen(ground)
-                self._monos[key] = color.encode_mono(rgb, space=space, colorspace=self.colorspace)
-        return self._monos[key]
+                self._encode(space, ground, codes=ground is None and space in self._expected)
+        return self._monos[space, ground]
 
-    def _seen(self, ground: float | None) -> Array:
-        rgb = self.pixels[..., :3]
-        alpha = self.alpha
-        if alpha is None:
-            return np.ascontiguousarray(rgb)
-        a = alpha[..., None]
-        if ground is not None:
-            return np.asarray(rgb + (1 - a) * np.float32(ground), np.float32)
-        return np.divide(rgb, a, out=np.zeros_like(rgb, order="C"), where=a > 0)
+    def _encode(self, space: str, ground: float | None, *, codes: bool = True, mono: bool = True) -> None:
+        """Make code values of all channels, of the lightness, or both in one go."""
+        from flowabs_nodes.color.codes import BARE, encoded
+
+        codes = codes and (space, ground) not in self._codes
+        behind = BARE if ground is None else ground
+        colors, lightness = encoded(self.pixels, space, self.colorspace, ground=behind, codes=codes, mono=mono)
+        if codes:
+            self._codes[space, ground] = colors
+        if mono:
+            self._monos[space, ground] = lightness
 
     def _needs_color(self, what: str) -> None:
         if self.type != "color":
@@ -226,13 +232,16 @@ class Image:
         They are decoded when somebody asks for ``pixels``; a next filter in the same space never does.
         """
         self._needs_color("with_codes")
+        under = None
+        if "A" in self.channels:
+            under = self._undecoded.under if self._undecoded and self._undecoded.plain else self.pixels
+        return self.with_undecoded(Undecoded(np.ascontiguousarray(codes, np.float32), space, under))
+
+    def with_undecoded(self, undecoded: Undecoded) -> Image:
+        """New colour, as :meth:`with_codes`; what is ``under`` it has this image's alpha."""
         image = Image(None, self._spec, "color", colorspace=self.colorspace, origin=self.origin)
-        alpha = self.alpha  # also finds self._alpha
-        image._codes[(space, None)] = np.ascontiguousarray(codes, np.float32)
-        image._alpha, image._alpha_known, image._opaque = self._alpha, True, alpha is None
-        if alpha is not None and (alpha == 0).any():
-            pixels = image.pixels  # decoded now: what stands under A = 0 must be put back
-            pixels[alpha == 0] = self.pixels[alpha == 0]
+        image._undecoded = undecoded
+        image._alpha, image._alpha_known = self.alpha, True
         return image
 
     def as_type(self, type: PortType) -> Image:

@@ -15,17 +15,15 @@ from flowabs_nodes.color import SPACES, acescct, lab
 from flowabs_nodes.color.matrix import Rows, rows
 from flowabs_nodes.color.spaces import KNOWN, ColorSpace, normalised, to_ap1
 from flowabs_nodes.color.spaces import space as find_space
+from flowabs_nodes.color.undecoded import Undecoded
 from flowabs_nodes.errors import ArgumentError, nearest
 from flowabs_nodes.filters.arguments import refuse
-from flowabs_nodes.filters.composite import Ink
 from flowabs_nodes.filters.finite import vouch
 from flowabs_nodes.filters.pointwise import new_run, over_pixels, picture_of, run_of
-from flowabs_nodes.filters.quantize import Steps
 
 Array = npt.NDArray[np.float32]
 
 NOTHING = np.empty(0, np.float32)
-NO_STEPS = Steps()
 BARE = -1.0  # no ground at all: colours that are not multiplied by their alpha
 
 
@@ -72,7 +70,7 @@ def decode(codes: npt.ArrayLike, space: str = "lab", colorspace: ColorSpace | st
 
     ``codes`` (H, W, 3); returns (H, W, 3) float32.
     """
-    return decoded(_pixels("codes", codes), _checked(space), find_space(colorspace))
+    return decoded(Undecoded(_pixels("codes", codes), _checked(space)), find_space(colorspace))
 
 
 def encode_mono(rgb: npt.ArrayLike, space: str = "lab", colorspace: ColorSpace | str = "lin_rec709") -> Array:
@@ -117,31 +115,21 @@ def encoded(
     )
 
 
-def decoded(
-    codes: Array,
-    space: str,
-    colorspace: ColorSpace,
-    *,
-    steps: Steps = NO_STEPS,
-    under: Array | None = None,
-    lines: Array | None = None,
-    ink: Ink = (0.0, 0.0, 0.0, 0.0),
-) -> Array:
-    """Code values as a scene-linear picture: brought to ``steps`` of L* (space "lab" alone), ``lines`` in ink over it.
+def decoded(undecoded: Undecoded, colorspace: ColorSpace) -> Array:
+    """Code values as a scene-linear picture, (H, W, 3), or premultiplied (H, W, 4) over one that has alpha.
 
-    With the picture that codes are of ``under`` it, premultiplied (H, W, 4), its alpha is the result's too, and what
-    has no alpha stays.
+    Alpha is that of the picture ``under``; where it is 0, what was there stays.
     """
+    codes, space, under, levels, softness, lines, ink = undecoded
     height, width, _ = codes.shape
-    below = NOTHING if under is None else run_of(under, 4)
     channels = 3 if under is None else 4
-    run = run_of(codes, 3)
+    run, below = run_of(codes, 3), NOTHING if under is None else run_of(under, 4)
+    drawing = NOTHING if lines is None else run_of(lines)
     count = run.size // 3
     pixels = new_run(count, channels)
     backward = _matrices(space, colorspace)[1]
-    drawing = NOTHING if lines is None else run_of(lines)
     if space == "lab":
-        bad = over_pixels(lab.decode, count, run, backward, steps.numbers, below, drawing, ink, pixels)
+        bad = over_pixels(lab.decode, count, run, backward, (levels / 100, softness), below, drawing, ink, pixels)
     else:
         bad = over_pixels(acescct.decode, count, run, backward, below, drawing, ink, pixels)
     if any(bad):
@@ -149,13 +137,13 @@ def decoded(
     return vouch(picture_of(pixels, height, width, channels))
 
 
-def flattened(pixels: Array, steps: Steps, colorspace: ColorSpace) -> Array:
-    """A scene-linear picture, (H, W, 3) or premultiplied (H, W, 4), brought to ``steps`` of L*."""
+def flattened(pixels: Array, levels: int, softness: float, colorspace: ColorSpace) -> Array:
+    """A scene-linear picture, (H, W, 3) or premultiplied (H, W, 4), with L* quantised by a gain."""
     channels = pixels.shape[2]
     run = run_of(pixels, channels)
     flat = new_run(run.size // channels, channels)
     forward = _matrices("lab", colorspace)[0]
-    if any(over_pixels(lab.flatten, run.size // channels, run, channels, forward, steps.numbers, flat)):
+    if any(over_pixels(lab.flatten, run.size // channels, run, channels, forward, (levels / 100, softness), flat)):
         refuse("rgb", pixels)
     return vouch(picture_of(flat, *pixels.shape))
 

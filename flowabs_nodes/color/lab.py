@@ -18,7 +18,7 @@ from flowabs_nodes.filters.composite import over
 from flowabs_nodes.filters.kernels import inlined, kernel
 from flowabs_nodes.filters.pixels import covering, rgba, seen
 from flowabs_nodes.filters.pointwise import doubt, doubtful, first_of
-from flowabs_nodes.filters.quantize import middle
+from flowabs_nodes.filters.quantize import Steps, middle
 from flowabs_nodes.filters.vector import (
     absolute,
     load,
@@ -52,7 +52,7 @@ def _g_inverse(g: Any) -> Any:
 
 
 @inlined
-def _gain(gy: Any, steps: Any) -> Any:
+def _gain(gy: Any, steps: Steps) -> Any:
     """Y(Q) / Y(L*), L* = 116 g, L* at least 1."""
     lightness = 116.0 * gy
     return _g_inverse(middle(lightness, steps) * (1 / 116)) / _g_inverse(maximum(lightness, 1.0) * (1 / 116))
@@ -82,12 +82,12 @@ def encode(
 
 @kernel
 def decode(
-    first: int, last: int, codes: Any, from_xyz: Rows, steps: Any, under: Any, lines: Any, ink: Any, pixels: Any
+    first: int, last: int, codes: Any, from_xyz: Rows, steps: Steps, under: Any, lines: Any, ink: Any, pixels: Any
 ) -> Any:
     """L*, a*, b* to scene-linear RGB; ``from_xyz`` is over the white.
 
-    On the way L* is brought to its step by a gain on RGB (section 4.1), if there are any; then comes alpha, if there is
-    a picture ``under`` it, and ink, if there are ``lines``.
+    On the way L* is brought to its step by a gain on RGB (section 4.1), unless there are 0 per L*; then comes alpha, if
+    there is a picture ``under`` it, and ink, if there are ``lines``.
     """
     total, count = same_floats(0.0), codes.size // 3
     for block in range(first, last):
@@ -113,7 +113,7 @@ def decode(
 
 
 @kernel
-def flatten(first: int, last: int, pixels: Any, channels: int, to_xyz: Rows, steps: Any, flat: Any) -> Any:
+def flatten(first: int, last: int, pixels: Any, channels: int, to_xyz: Rows, steps: Steps, flat: Any) -> Any:
     """A picture with L* brought to its step, by a gain on scene-linear RGB (section 4.1); alpha as it was."""
     total, count = same_floats(0.0), pixels.size // channels
     for block in range(first, last):

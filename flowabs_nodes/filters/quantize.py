@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy.typing as npt
 
@@ -22,6 +22,8 @@ from flowabs_nodes.filters.vector import (
     store,
     to_doubles,
 )
+
+Steps = tuple[float, float]  # levels per L*, and softness
 
 
 def quantize(lstar: npt.ArrayLike, levels: int = 8, softness: float = 0.0) -> Array:
@@ -50,27 +52,16 @@ def quantize(lstar: npt.ArrayLike, levels: int = 8, softness: float = 0.0) -> Ar
         For another shape or dtype, pixels that are not finite, or a parameter out of range.
     """
     lstar = arguments.plane("lstar", lstar, looks=True)
-    steps = Steps(arguments.whole("levels", levels, min=1), arguments.number("softness", softness, min=0, max=1))
+    levels = arguments.whole("levels", levels, min=1)
+    softness = arguments.number("softness", softness, min=0, max=1)
     run, flat = run_of(lstar), new_run(lstar.size)
-    if any(over_pixels(_quantize, run.size, run, steps.numbers, flat)):
+    if any(over_pixels(_quantize, run.size, run, (levels / 100, softness), flat)):
         arguments.refuse("lstar", lstar)
     return picture_of(flat, *lstar.shape)
 
 
-class Steps(NamedTuple):
-    """The parameters of :func:`quantize`; no ``levels`` leave a picture as it is."""
-
-    levels: int = 0
-    softness: float = 0.0
-
-    @property
-    def numbers(self) -> tuple[float, float]:
-        """What :func:`middle` needs: levels per L*, 0 for none, and softness."""
-        return self.levels / 100, float(self.softness)
-
-
 @kernel
-def _quantize(first: int, last: int, lstar: Any, steps: Any, flat: Any) -> Any:
+def _quantize(first: int, last: int, lstar: Any, steps: Steps, flat: Any) -> Any:
     total = same_floats(0.0)
     for block in range(first, last):
         i = first_of(block, lstar.size)
@@ -81,8 +72,8 @@ def _quantize(first: int, last: int, lstar: Any, steps: Any, flat: Any) -> Any:
 
 
 @inlined
-def middle(lightness: Any, steps: Any) -> Any:
-    """Q of L*."""
+def middle(lightness: Any, steps: Steps) -> Any:
+    """Q of L*; ``steps`` are levels per L*, and softness."""
     per, softness = steps
     level = to_doubles(lightness) * per
     if softness == 0:

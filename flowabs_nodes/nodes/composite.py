@@ -18,17 +18,21 @@ def run_composite(
     opacity: float,
     space: str,
 ) -> dict[str, Image]:
-    drawing = lines.pixels[..., 0]
+    from flowabs_nodes.filters import arguments  # what numba compiles is not imported for a declaration
+    from flowabs_nodes.filters.composite import inked
+
+    drawing = arguments.plane("lines", lines.pixels[..., 0])
     results = {}
     if "image" in context.wanted or not context.wanted:
-        if space == "linear":
-            pixels = image.pixels.copy()
-            pixels[..., :3] = filters.composite(pixels[..., :3], drawing, ink=ink, opacity=opacity, alpha=image.alpha)
-            results["image"] = image.with_pixels(pixels)
-        else:
+        codes = image.undecoded
+        if space != "linear":
             ink_code = color.encode(np.array([[ink]], np.float32), space=space, colorspace=image.colorspace)[0, 0]
-            codes = filters.composite(image.encoded(space), drawing, ink=tuple(map(float, ink_code)), opacity=opacity)
-            results["image"] = image.with_codes(codes, space)
+            mixed = filters.composite(image.encoded(space), drawing, ink=tuple(map(float, ink_code)), opacity=opacity)
+            results["image"] = image.with_codes(mixed, space)
+        elif codes is not None and codes.lines is None:  # decoded once, with the ink
+            results["image"] = image.with_undecoded(codes._replace(lines=drawing, ink=(*ink, opacity)))
+        else:
+            results["image"] = image.with_pixels(inked(image.pixels, drawing, (*ink, opacity)))
     if "ink" in context.wanted or not context.wanted:
         k = (1 - drawing) * np.float32(opacity)
         alone = np.empty((*k.shape, 4), np.float32)

@@ -4,20 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowabs_nodes import color, filters
-from flowabs_nodes.image import Array, Image
+from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
 
 
-def _gained(image: Image, gain: Array | np.float32) -> Image:
-    """RGB times a gain; alpha as it was."""
-    pixels = image.pixels.copy()
-    pixels[..., :3] *= gain
-    return image.with_pixels(pixels)
-
-
 def run_exposure(context: Context, image: Image, *, stops: float) -> Image:
-    return _gained(image, np.float32(2.0**stops))
+    pixels = image.pixels.copy()
+    pixels[..., :3] *= np.float32(2.0**stops)
+    return image.with_pixels(pixels)
 
 
 EXPOSURE = Node(
@@ -36,12 +30,12 @@ EXPOSURE = Node(
 
 
 def run_quantize(context: Context, image: Image, *, levels: int, softness: float) -> Image:
-    lstar = image.encoded_mono("lab") / np.float32(2.55)
-    target = color.lstar_inverse(filters.quantize(lstar, levels=levels, softness=softness))
-    gain = target / color.lstar_inverse(np.maximum(lstar, np.float32(1)))  # at most Y(Q) / Y(L* = 1)
-    if image.alpha is not None:
-        gain[image.alpha == 0] = 1  # what is not there stays as it is
-    return _gained(image, gain[..., None])
+    codes = image.undecoded
+    if codes is not None and codes.plain and codes.space == "lab":  # nobody needs the picture that is not flat
+        return image.with_undecoded(codes._replace(levels=levels, softness=softness))
+    from flowabs_nodes.color.codes import flattened  # what numba compiles is not imported for a declaration
+
+    return image.with_pixels(flattened(image.pixels, levels, softness, image.colorspace))
 
 
 QUANTIZE = Node(
