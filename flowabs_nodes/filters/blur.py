@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
-from numba import prange
 
 from flowabs_nodes.filters import arguments, gaussian
 from flowabs_nodes.filters.arguments import Array
-from flowabs_nodes.filters.kernels import kernel, parallel_kernel
+from flowabs_nodes.filters.kernels import kernel
+from flowabs_nodes.filters.threads import over_rows
+from flowabs_nodes.filters.vector import LANES, from_doubles, load, store, to_doubles
 
 
 def blur(image: npt.ArrayLike, sigma: float = 1.0) -> Array:
@@ -38,49 +41,39 @@ def blur(image: npt.ArrayLike, sigma: float = 1.0) -> Array:
 
 
 def separable(image: Array, weights: npt.NDArray[np.float64]) -> Array:
-    """The weighted sum over columns, then rows; ``weights`` are those of the offsets 0, 1 .. to either side."""
-    channels = 1 if image.ndim == 2 else image.shape[2]
-    rows = image.reshape(image.shape[0], -1)
+    """The weighted sum over rows, then columns, in float64; ``weights``: of the offsets 0, 1 .. to either side."""
+    height, width = image.shape[:2]
+    rows = image.reshape(height, -1)
+    channels = rows.shape[1] // width
+    if rows.shape[1] < LANES:  # what is beyond the width is cut off again
+        rows = np.pad(rows, ((0, 0), (0, LANES - rows.shape[1])))
     blurred = np.empty_like(rows)
-    _blur(rows, channels, weights, blurred)
-    return blurred.reshape(image.shape)
-
-
-@parallel_kernel
-def _blur(rows: Array, channels: int, weights: npt.NDArray[np.float64], blurred: Array) -> None:
-    """Each row on its own: first down the columns into a padded row, then along it."""
-    height, width = rows.shape
-    steps = weights.size - 1
-    margin = steps * channels
-    for y in prange(height):
-        padded = np.zeros(width + 2 * margin)
-        centre = padded[margin : margin + width]
-        _add(weights[0], rows[y], centre)
-        for k in range(1, steps + 1):
-            _add_pair(weights[k], rows[max(y - k, 0)], rows[min(y + k, height - 1)], centre)
-        for x in range(margin):
-            padded[x] = centre[x % channels]
-            padded[margin + width + x] = centre[width - channels + x % channels]
-        total = np.zeros(width)
-        _add(weights[0], centre, total)
-        for k in range(1, steps + 1):
-            left = (steps - k) * channels
-            right = (steps + k) * channels
-            _add_pair(weights[k], padded[left : left + width], padded[right : right + width], total)
-        out = blurred[y]
-        for x in range(width):
-            out[x] = total[x]
+    over_rows(_blur, height, rows.reshape(-1), height, rows.shape[1], width, channels, weights, blurred.reshape(-1))
+    return np.ascontiguousarray(blurred[:, : width * channels]).reshape(image.shape)
 
 
 @kernel
-def _add(weight: float, a: npt.NDArray[np.floating], total: npt.NDArray[np.float64]) -> None:
-    for x in range(total.size):
-        total[x] += weight * a[x]
-
-
-@kernel
-def _add_pair(
-    weight: float, a: npt.NDArray[np.floating], b: npt.NDArray[np.floating], total: npt.NDArray[np.float64]
+def _blur(
+    first: int, last: int, rows: Any, height: int, stride: int, width: int, channels: int, weights: Any, blurred: Any
 ) -> None:
-    for x in range(total.size):
-        total[x] += weight * (np.float64(a[x]) + np.float64(b[x]))
+    steps = weights.size - 1
+    margin, used = steps * channels, width * channels
+    column = np.empty(stride + 2 * margin)  # sums over rows, the border repeated
+    for y in range(first, last):
+        for x0 in range(0, stride, LANES):
+            x = min(x0, stride - LANES)
+            total = weights[0] * to_doubles(load(rows, y * stride + x))
+            for k in range(1, steps + 1):
+                above = to_doubles(load(rows, max(y - k, 0) * stride + x))
+                below = to_doubles(load(rows, min(y + k, height - 1) * stride + x))
+                total = total + weights[k] * (above + below)
+            store(column, margin + x, total)
+        for x in range(margin):
+            column[margin - 1 - x] = column[margin - 1 - x + channels]
+            column[margin + used + x] = column[margin + used + x - channels]
+        for x0 in range(0, stride, LANES):
+            x = min(x0, stride - LANES)
+            total = weights[0] * load(column, margin + x)
+            for k in range(channels, margin + 1, channels):
+                total = total + weights[k // channels] * (load(column, margin + x - k) + load(column, margin + x + k))
+            store(blurred, y * stride + x, from_doubles(total))

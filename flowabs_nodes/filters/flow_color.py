@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-import numpy as np
+import math
+
 import numpy.typing as npt
-from numba import prange
 
 from flowabs_nodes.filters import arguments
 from flowabs_nodes.filters.arguments import Array
-from flowabs_nodes.filters.kernels import parallel_kernel
+from flowabs_nodes.filters.kernels import kernel
+from flowabs_nodes.filters.pointwise import first_of, new_run, over_pixels, picture_of, run_of
+from flowabs_nodes.filters.vector import from_doubles, load_pairs, maximum, store_triples, to_doubles
 
-_HALF_ROOT_3 = np.sqrt(3) / 2
+_HALF_ROOT_3 = math.sqrt(3) / 2
 
 
 def flow_color(flow: npt.ArrayLike) -> Array:
@@ -34,18 +36,20 @@ def flow_color(flow: npt.ArrayLike) -> Array:
         For another shape or dtype, or values that are not finite.
     """
     flow = arguments.flow_field(flow)
-    rgb = np.empty((*flow.shape[:2], 3), np.float32)
-    _color(flow, rgb)
-    return rgb
+    height, width, _ = flow.shape
+    pixels = height * width
+    rgb = new_run(pixels, 3)
+    over_pixels(_color, pixels, run_of(flow, 2), rgb)
+    return picture_of(rgb, height, width, 3)
 
 
-@parallel_kernel
-def _color(flow: Array, rgb: Array) -> None:
-    for y in prange(flow.shape[0]):
-        for x in range(flow.shape[1]):
-            tx, ty = np.float64(flow[y, x, 0]), np.float64(flow[y, x, 1])
-            norm = 2 * max(tx * tx + ty * ty, 1.0)
-            c, s = (tx * tx - ty * ty) / norm, 2 * tx * ty / norm  # half of cos 2θ and sin 2θ
-            rgb[y, x, 0] = 0.5 + c
-            rgb[y, x, 1] = 0.5 - c / 2 + _HALF_ROOT_3 * s
-            rgb[y, x, 2] = 0.5 - c / 2 - _HALF_ROOT_3 * s
+@kernel
+def _color(first: int, last: int, flow: Array, rgb: Array) -> None:
+    for block in range(first, last):
+        pixel = first_of(block, rgb.size // 3)
+        x, y = load_pairs(flow, 2 * pixel)
+        tx, ty = to_doubles(x), to_doubles(y)
+        norm = 2.0 * maximum(tx * tx + ty * ty, 1.0)
+        c, s = (tx * tx - ty * ty) / norm, 2.0 * tx * ty / norm  # half of cos 2θ and sin 2θ
+        green, blue = 0.5 - 0.5 * c + _HALF_ROOT_3 * s, 0.5 - 0.5 * c - _HALF_ROOT_3 * s
+        store_triples(rgb, 3 * pixel, (from_doubles(0.5 + c), from_doubles(green), from_doubles(blue)))

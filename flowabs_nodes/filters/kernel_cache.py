@@ -73,8 +73,10 @@ class KernelCache(_Cache):  # type: ignore[misc]
         if data.library.has_dynamic_globals:  # addresses of this process
             log.warning("the kernel %s cannot be kept: it refers to memory of this process", self._name)
         else:
-            content = data._replace(type_annotation="")  # for people; long
-            _keep(self._file(sig, data.codegen), dumps((sig, content._reduce())))
+            *content, environments = data._replace(type_annotation="")._reduce()  # the annotation is long, for people
+            # One without constants is of no use, but loading it would import the module of numba that it is of.
+            content.append(tuple(each for each in environments if each.consts))
+            _keep(self._file(sig, data.codegen), dumps((sig, content)))
 
     def enable(self) -> None:
         """Always on."""

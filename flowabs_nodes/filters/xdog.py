@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from numba import prange
 
 from flowabs_nodes.filters import arguments
 from flowabs_nodes.filters.arguments import Array
-from flowabs_nodes.filters.kernels import parallel_kernel
+from flowabs_nodes.filters.kernels import kernel
+from flowabs_nodes.filters.threads import over_rows
 
 
 def xdog(response: npt.ArrayLike, p: float = 20.0, epsilon: float = 0.0, phi: float = 0.01) -> tuple[Array, Array]:
@@ -48,7 +48,7 @@ def xdog(response: npt.ArrayLike, p: float = 20.0, epsilon: float = 0.0, phi: fl
     epsilon = arguments.number("epsilon", epsilon)
     phi = arguments.number("phi", phi, min=0)
     lines, sharpened = np.empty_like(response), np.empty_like(response)
-    _xdog(response, gain, epsilon, phi, lines, sharpened)
+    over_rows(_xdog, response.shape[0], response, gain, epsilon, phi, lines, sharpened)
     return lines, sharpened
 
 
@@ -58,12 +58,13 @@ def xdog_rho(p: float) -> float:
     return p / (1 + p)
 
 
-@parallel_kernel
-def _xdog(response: Any, gain: float, epsilon: float, phi: float, lines: Any, sharpened: Any) -> None:
-    height, width = response.shape
+@kernel
+def _xdog(
+    first: int, last: int, response: Any, gain: float, epsilon: float, phi: float, lines: Any, sharpened: Any
+) -> None:
     largest = np.float64(np.finfo(np.float32).max)
-    for y in prange(height):
-        for x in range(width):
+    for y in range(first, last):
+        for x in range(response.shape[1]):
             d = min(max(gain * response[y, x], -largest), largest)
             sharpened[y, x] = d
             lines[y, x] = 1.0 if d >= epsilon else 1.0 + np.tanh(phi * (d - epsilon))
