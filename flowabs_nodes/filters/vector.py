@@ -15,8 +15,8 @@ addresses are best passed through memory, since taking them out of a vector one 
 What is worked out for one sixteen pixels after the other waits for loads; what goes through :func:`scratch`, a step for
 many pixels and then the next step, does not (:func:`pairs_at`, :func:`quads_at`).
 
-Arrays are one-dimensional float32, float64 or int32, places in them count numbers, and nothing is checked: whoever asks
-for sixteen floats from ``i`` on sees to it that they are there.
+Arrays are one-dimensional float32, float64 or int32, or complex64 for pairs of floats; places in them count items, and
+nothing is checked: whoever asks for sixteen floats from ``i`` on sees to it that they are there.
 """
 
 from __future__ import annotations
@@ -391,17 +391,23 @@ def _records(context: Any, builder: Any, sig: Any, values: Any, record: Any) -> 
     ]
 
 
+def _gather(context: Any, builder: Any, sig: Any, values: Any) -> Any:
+    result = ir.Constant(_FLOATS, ir.Undefined)
+    for lane, number in enumerate(_records(context, builder, sig, values, _F32)):
+        result = builder.insert_element(result, number, _I32(lane))
+    return result
+
+
 @intrinsic
 def gather(typingctx: Any, array: Any, indices: Any) -> Any:
     """array[i] for each i."""
+    return floats(array, ints), _gather
 
-    def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
-        result = ir.Constant(_FLOATS, ir.Undefined)
-        for lane, number in enumerate(_records(context, builder, sig, values, _F32)):
-            result = builder.insert_element(result, number, _I32(lane))
-        return result
 
-    return floats(array, ints), generate
+@intrinsic
+def gather_at(typingctx: Any, array: Any, places: Any, k: Any) -> Any:
+    """:func:`gather` for the i in places[k .. k + 15]."""
+    return floats(array, places, k), _gather
 
 
 def _pairs(context: Any, builder: Any, sig: Any, values: Any) -> Any:
