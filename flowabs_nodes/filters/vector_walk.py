@@ -13,6 +13,7 @@ import numpy as np
 
 from flowabs_nodes.filters.arguments import Array
 from flowabs_nodes.filters.blocks import inline
+from flowabs_nodes.filters.points import Frame, nearest
 from flowabs_nodes.filters.vector import (
     LANES,
     inlined,
@@ -21,7 +22,6 @@ from flowabs_nodes.filters.vector import (
     load_pairs,
     maximum,
     minimum,
-    nearest_ints,
     pairs,
     pairs_at,
     same_doubles,
@@ -98,23 +98,13 @@ TOGETHER = 8  # walks: enough of them to work on while the tangents of others ar
 ALL = TOGETHER * LANES
 
 
-class Frame(NamedTuple):
-    """A picture's size, and the length of its rows in memory: at least 16 pixels."""
-
-    width: int
-    height: int
-    stride: int
-
-
 class Walks(NamedTuple):
-    """Where the walks of 64 pixels are, both ways.
+    """Where the walks of 64 pixels of a row are, both ways.
 
     Walk k = 0, 2, 4, 6 goes along the tangents of sixteen pixels, k + 1 against them; at [16 k] is what is theirs.
     """
 
-    x: Any  # the pixel nearest to z, inside the picture
-    y: Any
-    pair: Any  # where its tangent is
+    pixel: Any  # the number of the one nearest to z
     dx: Any  # z - x, the offset from the centre
     dy: Any
     tx: Any  # t(z), the way the walk goes on
@@ -125,8 +115,6 @@ class Walks(NamedTuple):
 def new_walks() -> Walks:
     return Walks(
         scratch(np.int32, TOGETHER),
-        scratch(np.int32, TOGETHER),
-        scratch(np.int32, TOGETHER),
         scratch(np.float64, TOGETHER),
         scratch(np.float64, TOGETHER),
         scratch(np.float32, TOGETHER),
@@ -136,15 +124,15 @@ def new_walks() -> Walks:
 
 @inlined
 def column(x0: int, at: int, frame: Frame) -> int:
-    """The first of the sixteen columns whose walk is at [at]: the last ones overlap where the row ends."""
-    return min(x0 + at // 2 // LANES * LANES, frame.stride - LANES)
+    """The first of the sixteen columns whose walk is at [at]; where the row ends, the last ones are walked twice."""
+    return min(x0 + at // (2 * LANES) * LANES, frame.stride - LANES)
 
 
 @inlined
 def set_out(walks: Walks, flow: Any, x0: int, y: int, frame: Frame) -> None:
-    """From the centres x0 .. x0 + 63 of row y."""
+    """From the centres x0 .. x0 + 63 of row y. ``flow`` is complex64: a pair of floats for each pixel."""
     for at in range(0, ALL, 2 * LANES):
-        tx, ty = load_pairs(flow, 2 * (y * frame.stride + column(x0, at, frame)))
+        tx, ty = load_pairs(flow, y * frame.stride + column(x0, at, frame))
         _set_out(walks, at, tx, ty)
         _set_out(walks, at + LANES, -tx, -ty)
 
@@ -158,30 +146,21 @@ def _set_out(walks: Walks, at: int, tx: Any, ty: Any) -> None:
 
 
 @inlined
-def go_on(walks: Walks, s: int, flow: Any, x0: int, y: int, frame: Frame) -> None:
-    """The s-th step, s = 1, 2 ..: the tangent at z, turned to go on the same way, then z + t(z)."""
-    if s > 1:
-        for at in range(0, ALL, LANES):
-            _turn(walks, at, flow)
-    for at in range(0, ALL, LANES):
-        _advance(walks, at, column(x0, at, frame), y, frame)
-
-
-@inlined
-def _turn(walks: Walks, at: int, flow: Any) -> None:
-    tx, ty = pairs_at(flow, walks.pair, at)
-    against = tx * load(walks.tx, at) < -(ty * load(walks.ty, at))  # right also where float32 sums would round
-    store(walks.tx, at, select(against, -tx, tx))
-    store(walks.ty, at, select(against, -ty, ty))
-
-
-@inlined
-def _advance(walks: Walks, at: int, x: int, y: int, frame: Frame) -> None:
+def advance(walks: Walks, at: int, x: int, y: int, frame: Frame) -> Any:
+    """z + t(z) for the sixteen walks at [at]; returns column and row of the pixels nearest to it."""
     dx, dy = load(walks.dx, at) + to_doubles(load(walks.tx, at)), load(walks.dy, at) + to_doubles(load(walks.ty, at))
     store(walks.dx, at, dx)
     store(walks.dy, at, dy)
-    nearest_x = minimum(maximum(nearest_ints(dx) + (lane_numbers() + x), 0), frame.width - 1)
-    nearest_y = minimum(maximum(nearest_ints(dy) + y, 0), frame.height - 1)
-    store(walks.x, at, nearest_x)
-    store(walks.y, at, nearest_y)
-    store(walks.pair, at, (nearest_y * frame.stride + nearest_x) << 1)
+    columns, rows = nearest(dx, dy, x, y, frame)
+    store(walks.pixel, at, rows * frame.stride + columns)
+    return columns, rows
+
+
+@inlined
+def turn(walks: Walks, flow: Any) -> None:
+    """After a step of all the walks, before the next: the tangents at z, turned to go on the same way."""
+    for at in range(0, ALL, LANES):
+        tx, ty = pairs_at(flow, walks.pixel, at)
+        against = tx * load(walks.tx, at) < -(ty * load(walks.ty, at))  # right also where a sum would round
+        store(walks.tx, at, select(against, -tx, tx))
+        store(walks.ty, at, select(against, -ty, ty))
