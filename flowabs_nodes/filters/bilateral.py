@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from numba import prange
 
 from flowabs_nodes.filters import arguments, gaussian
 from flowabs_nodes.filters.arguments import Array
-from flowabs_nodes.filters.blocks import COLUMNS, Block, inline, u
-from flowabs_nodes.filters.exponential import exp2
-from flowabs_nodes.filters.kernels import kernel, parallel_kernel
-from flowabs_nodes.filters.similarity import TINY, Sums, closeness, coverage, falloff, new_sums
+from flowabs_nodes.filters.kernels import inlined, kernel
+from flowabs_nodes.filters.similarity import TINY, closeness, falloff
+from flowabs_nodes.filters.threads import over_rows
+from flowabs_nodes.filters.vector import LANES, exp2, load, load_triples, same_floats, select, store, store_triples
 
 KERNELS = ("full", "xy")
 
@@ -65,129 +64,125 @@ def bilateral(
     windows = (
         [(radius, radius)] if arguments.choice("kernel", kernel, KERNELS) == "full" else [(radius, 0), (0, radius)]
     )
-    there = coverage(alpha, codes)
+    there = np.ones(codes.shape[:2], np.float32) if alpha is None else arguments.plane("alpha", alpha, codes.shape)
 
-    # Each row as four planes, L, a, b and alpha, each repeated on both sides as far as a neighbour may lie.
     height, width, _ = codes.shape
-    picture, smoothed = np.empty((2, height, 4, width + 2 * radius), np.float32)
-    _lay_out(codes, there, radius, picture)
-    smoothed[:, 3] = picture[:, 3]
+    if width < LANES:  # what is beyond the width is cut off again
+        beyond = ((0, 0), (0, LANES - width))
+        codes, there = np.pad(codes, (*beyond, (0, 0)), "edge"), np.pad(there, beyond, "edge")
+    # Each row as four planes, L, a, b and alpha, the border repeated on both sides as far as a neighbour may lie.
+    size = Size(height, width, codes.shape[1], radius)
+    picture, smoothed = np.empty((2, height * 4 * (size.stride + 2 * radius)), np.float32)
+    over_rows(_lay_out, height, codes.reshape(-1), there.reshape(-1), size, picture)
     for _ in range(iterations):
         for across, down in windows:
-            _smooth(picture, closeness(sigma_d), falloff(sigma_r), across, down, radius, smoothed)
+            over_rows(_smooth, height, picture, closeness(sigma_d), falloff(sigma_r), across, down, size, smoothed)
             picture, smoothed = smoothed, picture
     result = np.empty_like(codes)
-    _take_out(picture, codes, radius, result)
-    return result
+    over_rows(_take_out, height, picture, codes.reshape(-1), size, result.reshape(-1))
+    return np.ascontiguousarray(result[:, :width])
 
 
-@parallel_kernel
-def _lay_out(codes: Any, alpha: Any, margin: int, picture: Any) -> None:
-    height, width, _ = codes.shape
-    for y in prange(height):
-        for x in range(width):
-            a = alpha[y, x] if alpha[y, x] > TINY else np.float32(0.0)
-            picture[y, 3, margin + x] = a
-            for c in range(3):
-                picture[y, c, margin + x] = codes[y, x, c] if a > 0 else np.float32(0.0)
-        for c in range(4):
-            for x in range(margin):
-                picture[y, c, x] = picture[y, c, margin]
-                picture[y, c, margin + width + x] = picture[y, c, margin + width - 1]
+class Size(NamedTuple):
+    """Of a picture: rows of ``stride`` pixels, the first ``width`` of which count, and ``margin`` more on each side."""
+
+    height: int
+    width: int
+    stride: int
+    margin: int
 
 
-@parallel_kernel
-def _take_out(picture: Any, codes: Any, margin: int, result: Any) -> None:
-    height, width, _ = codes.shape
-    for y in prange(height):
-        for x in range(width):
-            for c in range(3):
-                result[y, x, c] = picture[y, c, margin + x] if picture[y, 3, margin + x] > 0 else codes[y, x, c]
-
-
-@parallel_kernel
-def _smooth(picture: Any, closeness: Any, falloff: Any, across: int, down: int, margin: int, smoothed: Any) -> None:
-    """One pass over a window of +-``across`` columns and +-``down`` rows."""
-    height, _, stride = picture.shape
-    source, target = picture.reshape(-1), smoothed.reshape(-1)
-    for y in prange(height):
-        _smooth_row(
-            source, closeness, falloff, across, down, margin, np.int64(y), stride - 2 * margin, height, stride, target
-        )
+@inlined
+def _row(y: int, size: Size) -> tuple[int, int]:
+    """Where the first pixel of row y is, and how far its planes are apart."""
+    plane = size.stride + 2 * size.margin
+    return 4 * y * plane + size.margin, plane
 
 
 @kernel
-def _smooth_row(
+def _lay_out(first: int, last: int, codes: Any, alpha: Any, size: Size, picture: Any) -> None:
+    nothing = same_floats(0.0)
+    for y in range(first, last):
+        row, plane = _row(y, size)
+        for x0 in range(0, size.stride, LANES):
+            x = min(x0, size.stride - LANES)
+            i = y * size.stride + x
+            l0, a0, b0 = load_triples(codes, 3 * i)
+            k = load(alpha, i)
+            there = k > TINY
+            store(picture, row + x, select(there, l0, nothing))
+            store(picture, row + plane + x, select(there, a0, nothing))
+            store(picture, row + 2 * plane + x, select(there, b0, nothing))
+            store(picture, row + 3 * plane + x, select(there, k, nothing))
+        _repeat_border(picture, y, size)
+
+
+@inlined
+def _repeat_border(picture: Any, y: int, size: Size) -> None:
+    row, plane = _row(y, size)
+    for c in range(4):
+        begin, end = row + c * plane, row + c * plane + size.width
+        for x in range(size.margin):
+            picture[begin - 1 - x] = picture[begin]
+            picture[end + x] = picture[end - 1]
+
+
+@kernel
+def _take_out(first: int, last: int, picture: Any, codes: Any, size: Size, result: Any) -> None:
+    for y in range(first, last):
+        row, plane = _row(y, size)
+        for x0 in range(0, size.stride, LANES):
+            x = min(x0, size.stride - LANES)
+            i = 3 * (y * size.stride + x)
+            there = load(picture, row + 3 * plane + x) > 0.0
+            l0, a0, b0 = load_triples(codes, i)
+            l0 = select(there, load(picture, row + x), l0)
+            a0 = select(there, load(picture, row + plane + x), a0)
+            b0 = select(there, load(picture, row + 2 * plane + x), b0)
+            store_triples(result, i, (l0, a0, b0))
+
+
+@kernel
+def _smooth(
+    first: int,
+    last: int,
     picture: Any,
     closeness: Any,
     falloff: Any,
     across: int,
     down: int,
-    margin: int,
-    y: int,
-    width: int,
-    height: int,
-    stride: int,
+    size: Size,
     smoothed: Any,
 ) -> None:
-    sums = new_sums()
-    row = 4 * stride
-    for x in range(0, width, COLUMNS):
-        block = Block(x, y, u(min(COLUMNS, width - x)), width, height)
-        here = y * row + margin + x
-        _begin(sums, picture, u(here), u(stride), block)
-        # The weight of a distance is that of the opposite one, so neighbours are taken in pairs.
-        for dy in range(down + 1):
-            above, below = here + (max(y - dy, 0) - y) * row, here + (min(y + dy, height - 1) - y) * row
-            for dx in range(-across if dy > 0 else 1, across + 1):
-                near = closeness[u(abs(dx))] + closeness[u(dy)]
-                _weigh_pair(sums, picture, u(above - dx), u(below + dx), u(stride), near, falloff, block)
-        _finish(sums, picture, smoothed, u(here), u(stride), block)
-    for c in range(3):
-        first = u(y * row + c * stride)
-        for x in range(u(margin)):
-            smoothed[first + x] = smoothed[first + u(margin)]
-            smoothed[first + u(margin + width) + x] = smoothed[first + u(margin + width - 1)]
+    """One pass over a window of +-``across`` columns and +-``down`` rows."""
+    for y in range(first, last):
+        row, plane = _row(y, size)
+        for x0 in range(0, size.stride, LANES):
+            x = min(x0, size.stride - LANES)
+            l0, a0, b0 = load(picture, row + x), load(picture, row + plane + x), load(picture, row + 2 * plane + x)
+            alpha = load(picture, row + 3 * plane + x)
+            sums = same_floats(0.0), same_floats(0.0), same_floats(0.0), alpha  # the pixel itself: its difference is 0
+            # The weight of a distance is that of the opposite one, so neighbours are taken in pairs.
+            for dy in range(down + 1):
+                above, _ = _row(max(y - dy, 0), size)
+                below, _ = _row(min(y + dy, size.height - 1), size)
+                for dx in range(-across if dy > 0 else 1, across + 1):
+                    near = closeness[abs(dx)] + closeness[dy]
+                    sums = _weigh(sums, picture, above + x - dx, plane, l0, a0, b0, near, falloff)
+                    sums = _weigh(sums, picture, below + x + dx, plane, l0, a0, b0, near, falloff)
+            dl, da, db, weight = sums
+            over = select(alpha > 0.0, 1.0 / weight, 0.0)
+            store(smoothed, row + x, l0 + over * dl)
+            store(smoothed, row + plane + x, a0 + over * da)
+            store(smoothed, row + 2 * plane + x, b0 + over * db)
+            store(smoothed, row + 3 * plane + x, alpha)
+        _repeat_border(smoothed, y, size)
 
 
-@inline
-def _begin(sums: Sums, picture: Any, here: Any, stride: Any, block: Block) -> None:
-    """The pixel itself counts with its own alpha; its difference is 0."""
-    for i in range(block.size):
-        sums.l[i] = picture[here + i]
-        sums.a[i] = picture[here + stride + i]
-        sums.b[i] = picture[here + u(2) * stride + i]
-        sums.dl[i] = np.float32(0.0)
-        sums.da[i] = np.float32(0.0)
-        sums.db[i] = np.float32(0.0)
-        sums.weight[i] = picture[here + u(3) * stride + i]
-
-
-@inline
-def _weigh_pair(
-    sums: Sums, picture: Any, one: Any, other: Any, stride: Any, near: Any, falloff: Any, block: Block
-) -> None:
-    """Add two neighbours of each pixel, weighted by alpha, distance and colour."""
-    for i in range(block.size):
-        l, a, b = sums.l[i], sums.a[i], sums.b[i]  # noqa: E741
-        dl = picture[one + i] - l
-        da = picture[one + stride + i] - a
-        db = picture[one + u(2) * stride + i] - b
-        weight = picture[one + u(3) * stride + i] * exp2(near + falloff * (dl * dl + da * da + db * db))
-        el = picture[other + i] - l
-        ea = picture[other + stride + i] - a
-        eb = picture[other + u(2) * stride + i] - b
-        weight_2 = picture[other + u(3) * stride + i] * exp2(near + falloff * (el * el + ea * ea + eb * eb))
-        sums.dl[i] += weight * dl + weight_2 * el
-        sums.da[i] += weight * da + weight_2 * ea
-        sums.db[i] += weight * db + weight_2 * eb
-        sums.weight[i] += weight + weight_2
-
-
-@inline
-def _finish(sums: Sums, picture: Any, smoothed: Any, here: Any, stride: Any, block: Block) -> None:
-    for i in range(block.size):
-        over = np.float32(1.0) / sums.weight[i] if picture[here + u(3) * stride + i] > 0 else np.float32(0.0)
-        smoothed[here + i] = sums.l[i] + over * sums.dl[i]
-        smoothed[here + stride + i] = sums.a[i] + over * sums.da[i]
-        smoothed[here + u(2) * stride + i] = sums.b[i] + over * sums.db[i]
+@inlined
+def _weigh(sums: Any, picture: Any, i: int, plane: int, l0: Any, a0: Any, b0: Any, near: Any, falloff: Any) -> Any:
+    """Add a neighbour of each pixel, weighted by alpha, distance and colour; sums of differences round the least."""
+    dl, da, db, weight = sums
+    el, ea, eb = load(picture, i) - l0, load(picture, i + plane) - a0, load(picture, i + 2 * plane) - b0
+    w = load(picture, i + 3 * plane) * exp2(near + falloff * (el * el + ea * ea + eb * eb))
+    return dl + w * el, da + w * ea, db + w * eb, weight + w

@@ -529,13 +529,11 @@ else:
 
     @inlined
     def _fraction(x: Any) -> Any:
-        x = maximum(x, -126.0)  # -Inf - -Inf is not a number
         return x - floor(x)
 
     @inlined
     def _scaled(x: Any, y: Any) -> Any:
-        exponent = to_ints(floor(maximum(y, -126.0)))
-        return x * from_bits((exponent + 127) << 23)
+        return x * from_bits((to_ints(floor(y)) + 127) << 23)
 
     @intrinsic
     def look_up(typingctx: Any, table: Any, indices: Any) -> Any:
@@ -555,10 +553,11 @@ else:
 
 @inlined
 def exp2(x: Any) -> Any:
-    """2^x for x <= 0, to 4e-6 of its value, nothing or next to nothing below -126.
+    """2^x for x <= 0, to 4e-6 of its value; below -100, where nothing is left that would count, 2^-100.
 
     2^x = 2^floor(x) 2^f: the polynomial is the one of degree 4 with the least relative error on 0 <= f < 1.
     """
+    x = maximum(x, -100.0)  # sums with numbers below 2^-126, which are held with fewer digits, are slow
     f = _fraction(x)
     power = f * 0.01353417 + 0.05201146
     power = power * f + 0.24144276
