@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from numba import prange
 
 from flowabs_nodes.filters import arguments
 from flowabs_nodes.filters.arguments import Array
-from flowabs_nodes.filters.blocks import COLUMNS, Block, first_pixel, inline, scratch, u
-from flowabs_nodes.filters.fbl import across
-from flowabs_nodes.filters.kernels import kernel, parallel_kernel
-from flowabs_nodes.filters.sampling import SAMPLINGS, find, nearest, new_between, read, read_between
-from flowabs_nodes.filters.similarity import begin, closeness, coverage, falloff, finish, in_turn, new_sums, weigh
+from flowabs_nodes.filters.bilateral_line import pass_on_lines
+from flowabs_nodes.filters.kernels import inlined, kernel
+from flowabs_nodes.filters.points import frame_of
+from flowabs_nodes.filters.sampling import SAMPLINGS
+from flowabs_nodes.filters.similarity import in_turn, partial
+from flowabs_nodes.filters.threads import over_rows
 
 KERNELS = ("line", "arc")
 
@@ -79,23 +78,29 @@ def bilateral_oriented(
     sigma_g = arguments.number("sigma_g", sigma_g, min=0, max=10_000)
     r_g = arguments.number("r_g", r_g, above=0)
     iterations = arguments.whole("iterations", iterations, min=0)
-    kappa = np.zeros(flow.shape[:2])
-    if arguments.choice("kernel", kernel, KERNELS) == "arc":
-        _curvature(flow, kappa)
-    to_nearest = arguments.choice("sampling", sampling, SAMPLINGS) == "nearest"
-    passes: list[Callable[[Array, Array], None]] = []
+    arc = arguments.choice("kernel", kernel, KERNELS) == "arc"
+    bilinear = arguments.choice("sampling", sampling, SAMPLINGS) == "bilinear"
+    covered, frame = partial(alpha, codes), frame_of(codes)
+    passes = []
     if sigma_e > 0:
-        near, like = closeness(sigma_e), falloff(r_e)
-        passes.append(lambda picture, out: _along(picture, flow, kappa, near, like, to_nearest, out))
+        kappa = curvature(flow) if arc else None
+        passes.append(pass_on_lines(flow, False, kappa, sigma_e, r_e, bilinear, covered, frame))
     if sigma_g > 0:
-        passes.append(lambda picture, out: across(picture, flow, closeness(sigma_g), falloff(r_g), to_nearest, out))
-    return in_turn(codes, coverage(alpha, codes), passes, iterations)
+        passes.append(pass_on_lines(flow, True, None, sigma_g, r_g, bilinear, covered, frame))
+    return in_turn(codes, covered, frame, passes, iterations)
 
 
-@parallel_kernel
-def _curvature(flow: Any, kappa: Any) -> None:
+def curvature(flow: Array) -> npt.NDArray[np.float64]:
+    """kappa of each pixel, (H, W)."""
+    kappa = np.empty(flow.shape[:2])
+    over_rows(_curvature, flow.shape[0], flow, kappa)
+    return kappa
+
+
+@kernel
+def _curvature(first: int, last: int, flow: Any, kappa: Any) -> None:
     height, width, _ = flow.shape
-    for y in prange(height):
+    for y in range(first, last):
         above, below = max(y - 1, 0), min(y + 1, height - 1)
         for x in range(width):
             left, right = max(x - 1, 0), min(x + 1, width - 1)
@@ -109,58 +114,7 @@ def _curvature(flow: Any, kappa: Any) -> None:
             kappa[y, x] = tx * change_y - ty * change_x
 
 
-@kernel
+@inlined
 def _turned(tangent: Any, tx: float, ty: float) -> tuple[float, float]:
     x, y = np.float64(tangent[0]), np.float64(tangent[1])
     return (-x, -y) if x * tx + y * ty < 0 else (x, y)
-
-
-@inline
-def arc(flow: Any, kappa: Any, s: int, dx: Any, dy: Any, block: Block) -> None:
-    """Offsets of the points s t + (kappa s^2 / 2) n; where the tangent is zero, that is the pixel itself."""
-    first = first_pixel(block)
-    for i in range(block.size):
-        tx, ty = np.float64(flow[u(2) * (first + i)]), np.float64(flow[u(2) * (first + i) + u(1)])
-        bend = kappa[first + i] * (np.float64(s) * np.float64(s) / 2)
-        dx[i] = s * tx - bend * ty
-        dy[i] = s * ty + bend * tx
-
-
-@parallel_kernel
-def _along(picture: Any, flow: Any, kappa: Any, closeness: Any, falloff: Any, to_nearest: bool, smoothed: Any) -> None:
-    """Eq. 12 over the arc."""
-    height, width, _ = picture.shape
-    source, tangents, bends, target = picture.reshape(-1), flow.reshape(-1), kappa.reshape(-1), smoothed.reshape(-1)
-    for y in prange(height):
-        _along_row(source, tangents, bends, closeness, falloff, to_nearest, np.int64(y), width, height, target)
-
-
-@kernel
-def _along_row(
-    picture: Any,
-    flow: Any,
-    kappa: Any,
-    closeness: Any,
-    falloff: Any,
-    to_nearest: bool,
-    y: int,
-    width: int,
-    height: int,
-    smoothed: Any,
-) -> None:
-    dx, dy = scratch(np.float64, 1), scratch(np.float64, 1)
-    between, values, sums = new_between(), scratch(np.float32, 4), new_sums()
-    for x in range(0, width, COLUMNS):
-        block = Block(x, y, u(min(COLUMNS, width - x)), width, height)
-        begin(sums, picture, block)
-        for way in range(2):
-            for s in range(1, closeness.size):
-                arc(flow, kappa, s if way == 0 else -s, dx, dy, block)
-                if to_nearest:
-                    nearest(dx, dy, between.pixel, block)
-                    read(picture, between.pixel, values, block)
-                else:
-                    find(dx, dy, between, block)
-                    read_between(picture, between, values, block)
-                weigh(sums, values, closeness[u(s)], falloff, block)
-        finish(sums, picture, smoothed, block)

@@ -2,22 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from numba import prange
 
 from flowabs_nodes.filters import arguments
 from flowabs_nodes.filters.arguments import Array
-from flowabs_nodes.filters.blocks import COLUMNS, Block, scratch, u
-from flowabs_nodes.filters.gradient_line import line
-from flowabs_nodes.filters.kernels import kernel, parallel_kernel
-from flowabs_nodes.filters.moves import follow, stay, written_walks
-from flowabs_nodes.filters.sampling import SAMPLINGS, find, nearest, new_between, read, read_between
-from flowabs_nodes.filters.similarity import begin, closeness, coverage, falloff, finish, in_turn, new_sums, weigh
-from flowabs_nodes.filters.walk import new_walk, start, step
+from flowabs_nodes.filters.bilateral_line import pass_on_lines
+from flowabs_nodes.filters.kernels import kernel
+from flowabs_nodes.filters.moves import follow, written_walks
+from flowabs_nodes.filters.points import Frame, frame_of, padded
+from flowabs_nodes.filters.readings import around, expect, find, new_points, read
+from flowabs_nodes.filters.sampling import SAMPLINGS
+from flowabs_nodes.filters.similarity import (
+    Pass,
+    Sums,
+    add,
+    closeness,
+    color,
+    falloff,
+    floats_of,
+    in_turn,
+    mean,
+    only,
+    partial,
+)
+from flowabs_nodes.filters.threads import over_rows
+from flowabs_nodes.filters.vector import LANES, inlined, load, scratch, store
+from flowabs_nodes.filters.vector_walk import ALL, advance, column, new_walks, set_out, turn
 
 
 def fbl(
@@ -68,118 +81,113 @@ def fbl(
     sigma_g = arguments.number("sigma_g", sigma_g, min=0, max=10_000)
     r_g = arguments.number("r_g", r_g, above=0)
     iterations = arguments.whole("iterations", iterations, min=0)
-    to_nearest = arguments.choice("sampling", sampling, SAMPLINGS) == "nearest"
-    passes: list[Callable[[Array, Array], None]] = []
+    bilinear = arguments.choice("sampling", sampling, SAMPLINGS) == "bilinear"
+    covered, frame = partial(alpha, codes), frame_of(codes)
+    passes = []
     if sigma_e > 0:
-        near, like = closeness(sigma_e), falloff(r_e)
-        moves = written_walks(flow, near.size - 1) if to_nearest and iterations > 1 else None
-        if moves is None:
-            passes.append(lambda picture, out: _along(picture, flow, near, like, to_nearest, out))
-        else:
-            passes.append(lambda picture, out: _along_moves(picture, moves, near, like, out))
+        passes.append(_pass_along(flow, sigma_e, r_e, bilinear, iterations, covered, frame))
     if sigma_g > 0:
-        passes.append(lambda picture, out: across(picture, flow, closeness(sigma_g), falloff(r_g), to_nearest, out))
-    return in_turn(codes, coverage(alpha, codes), passes, iterations)
+        passes.append(pass_on_lines(flow, True, None, sigma_g, r_g, bilinear, covered, frame))
+    return in_turn(codes, covered, frame, passes, iterations)
 
 
-@parallel_kernel
-def _along(picture: Any, flow: Any, closeness: Any, falloff: Any, to_nearest: bool, smoothed: Any) -> None:
-    """C_e, eq. 12."""
-    height, width, _ = picture.shape
-    source, tangents, target = picture.reshape(-1), flow.reshape(-1), smoothed.reshape(-1)
-    for y in prange(height):
-        _along_row(source, tangents, closeness, falloff, to_nearest, np.int64(y), width, height, target)
+def _pass_along(
+    flow: Array, sigma: float, r: float, bilinear: bool, iterations: int, alpha: Array | None, frame: Frame
+) -> Pass:
+    """C_e, eq. 12: along walks that are written down if that is possible and pays."""
+    tangents, near, like = padded(flow, frame).view(np.complex64), closeness(sigma), falloff(r)
+    by_alpha = None if alpha is None else True
+    moves = None if bilinear or iterations == 1 else written_walks(tangents, near.size - 1, frame)
+
+    def smooth(picture: Array, smoothed: Array) -> None:
+        if moves is not None:
+            over_rows(_along_moves, frame.height, picture, moves, near, like, by_alpha, frame, smoothed)
+        else:
+            marks = True if bilinear else None, by_alpha
+            over_rows(_along_walks, frame.height, picture, tangents, near, like, *marks, frame, smoothed)
+
+    return smooth
 
 
 @kernel
-def _along_row(
+def _along_moves(
+    first: int,
+    last: int,
+    picture: Any,
+    moves: Any,
+    closeness: Any,
+    falloff: float,
+    alpha: Any,
+    frame: Frame,
+    smoothed: Any,
+) -> None:
+    points, size, steps = new_points(), floats_of(alpha), closeness.size - 1
+    pictures = around(picture, frame, size)
+    for y in range(first, last):
+        for x0 in range(0, frame.stride, LANES):
+            x = min(x0, frame.stride - LANES)
+            pixel = y * frame.stride + x
+            expect(picture, smoothed, x, y, steps + 1, frame, size)
+            follow(moves, steps, x, y, frame, size, points.place)
+            centre = color(picture, pixel, alpha)
+            sums = only(centre)
+            for s in range(1, steps + 1):
+                for way in range(2):
+                    there = read(pictures, points, (2 * s - 2 + way) * LANES, None, alpha)
+                    sums = add(sums, centre, there, closeness[s], falloff, alpha)
+            mean(sums, centre, smoothed, pixel, alpha)
+
+
+@kernel
+def _along_walks(
+    first: int,
+    last: int,
     picture: Any,
     flow: Any,
     closeness: Any,
-    falloff: Any,
-    to_nearest: bool,
-    y: int,
-    width: int,
-    height: int,
+    falloff: float,
+    bilinear: Any,
+    alpha: Any,
+    frame: Frame,
     smoothed: Any,
 ) -> None:
-    walk, between, values, sums = new_walk(), new_between(), scratch(np.float32, 4), new_sums()
-    for x in range(0, width, COLUMNS):
-        block = Block(x, y, u(min(COLUMNS, width - x)), width, height)
-        begin(sums, picture, block)
-        for way in range(2):
-            start(walk, flow, way, block)
-            for s in range(1, closeness.size):
-                step(walk, flow, block)
-                if to_nearest:
-                    read(picture, walk.pixel, values, block)
-                else:
-                    find(walk.dx, walk.dy, between, block)
-                    read_between(picture, between, values, block)
-                weigh(sums, values, closeness[u(s)], falloff, block)
-        finish(sums, picture, smoothed, block)
+    walks, points, size, steps = new_walks(), new_points(), floats_of(alpha), closeness.size - 1
+    so_far = scratch(np.float32, 16)  # the sums of four times sixteen pixels
+    pictures = around(picture, frame, size)
+    for y in range(first, last):
+        for x0 in range(0, frame.stride, ALL // 2):
+            set_out(walks, flow, x0, y, frame)
+            for at in range(0, ALL, 2 * LANES):
+                _keep(so_far, at, only(color(picture, y * frame.stride + column(x0, at, frame), alpha)))
+            for s in range(1, steps + 1):
+                for at in range(0, ALL, LANES):
+                    x = column(x0, at, frame)
+                    advance(walks, at, x, y, frame)
+                    find(points, at, load(walks.dx, at), load(walks.dy, at), x, y, frame, size, bilinear)
+                for at in range(0, ALL, 2 * LANES):
+                    centre = color(picture, y * frame.stride + column(x0, at, frame), alpha)
+                    sums = _kept(so_far, at)
+                    for way in range(2):
+                        there = read(pictures, points, at + way * LANES, bilinear, alpha)
+                        sums = add(sums, centre, there, closeness[s], falloff, alpha)
+                    _keep(so_far, at, sums)
+                if s < steps:
+                    turn(walks, flow)
+            for at in range(0, ALL, 2 * LANES):
+                pixel = y * frame.stride + column(x0, at, frame)
+                mean(_kept(so_far, at), color(picture, pixel, alpha), smoothed, pixel, alpha)
 
 
-@parallel_kernel
-def _along_moves(picture: Any, moves: Any, closeness: Any, falloff: Any, smoothed: Any) -> None:
-    """C_e, eq. 12, along walks that are written down."""
-    height, width, _ = picture.shape
-    source, target = picture.reshape(-1), smoothed.reshape(-1)
-    for y in prange(height):
-        _along_moves_row(source, moves[y], closeness, falloff, np.int64(y), width, height, target)
+@inlined
+def _keep(so_far: Any, at: int, sums: Sums) -> None:
+    at = 2 * at
+    store(so_far, at, sums.l)
+    store(so_far, at + LANES, sums.a)
+    store(so_far, at + 2 * LANES, sums.b)
+    store(so_far, at + 3 * LANES, sums.weight)
 
 
-@kernel
-def _along_moves_row(
-    picture: Any, moves: Any, closeness: Any, falloff: Any, y: int, width: int, height: int, smoothed: Any
-) -> None:
-    pixel, values, sums = scratch(np.int32, 1), scratch(np.float32, 4), new_sums()
-    for x in range(0, width, COLUMNS):
-        block = Block(x, y, u(min(COLUMNS, width - x)), width, height)
-        begin(sums, picture, block)
-        for way in range(2):
-            stay(pixel, block)
-            for s in range(1, closeness.size):
-                follow(moves[u(way), u(s - 1)], pixel, block)
-                read(picture, pixel, values, block)
-                weigh(sums, values, closeness[u(s)], falloff, block)
-        finish(sums, picture, smoothed, block)
-
-
-@parallel_kernel
-def across(picture: Any, flow: Any, closeness: Any, falloff: Any, to_nearest: bool, smoothed: Any) -> None:
-    """C_g, eq. 14."""
-    height, width, _ = picture.shape
-    source, tangents, target = picture.reshape(-1), flow.reshape(-1), smoothed.reshape(-1)
-    for y in prange(height):
-        _across_row(source, tangents, closeness, falloff, to_nearest, np.int64(y), width, height, target)
-
-
-@kernel
-def _across_row(
-    picture: Any,
-    flow: Any,
-    closeness: Any,
-    falloff: Any,
-    to_nearest: bool,
-    y: int,
-    width: int,
-    height: int,
-    smoothed: Any,
-) -> None:
-    dx, dy = scratch(np.float64, 1), scratch(np.float64, 1)
-    between, values, sums = new_between(), scratch(np.float32, 4), new_sums()
-    for x in range(0, width, COLUMNS):
-        block = Block(x, y, u(min(COLUMNS, width - x)), width, height)
-        begin(sums, picture, block)
-        for side in range(2):
-            for n in range(1, closeness.size):
-                line(flow, n if side == 0 else -n, dx, dy, block)
-                if to_nearest:
-                    nearest(dx, dy, between.pixel, block)
-                    read(picture, between.pixel, values, block)
-                else:
-                    find(dx, dy, between, block)
-                    read_between(picture, between, values, block)
-                weigh(sums, values, closeness[u(n)], falloff, block)
-        finish(sums, picture, smoothed, block)
+@inlined
+def _kept(so_far: Any, at: int) -> Sums:
+    at = 2 * at
+    return Sums(load(so_far, at), load(so_far, at + LANES), load(so_far, at + 2 * LANES), load(so_far, at + 3 * LANES))

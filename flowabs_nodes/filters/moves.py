@@ -1,8 +1,8 @@
-"""Walks written down, a byte a step, for a filter that takes them again: the flow stays, the picture changes.
+"""Walks written down, four bits a step, for a filter that takes them again: the flow stays, the picture changes.
 
 Of each step the move is kept, from the pixel nearest to the last point to the one nearest to the next, both inside the
-picture. Following moves costs a quarter of walking the flow (:mod:`~flowabs_nodes.filters.walk`) and leads to the same
-pixels.
+picture: 4 (rows + 1) + columns + 1, eight steps in 32 bits. Following moves costs a fraction of walking the flow
+(:mod:`~flowabs_nodes.filters.vector_walk`) and leads to the same pixels.
 """
 
 from __future__ import annotations
@@ -11,74 +11,114 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from numba import prange
 
-from flowabs_nodes.filters.arguments import Array
-from flowabs_nodes.filters.blocks import COLUMNS, Block, first_pixel, inline, scratch, u
-from flowabs_nodes.filters.kernels import kernel, parallel_kernel
-from flowabs_nodes.filters.walk import new_walk, start, step
+from flowabs_nodes.filters.kernels import kernel
+from flowabs_nodes.filters.points import Frame
+from flowabs_nodes.filters.processor import PATH
+from flowabs_nodes.filters.threads import over_rows
+from flowabs_nodes.filters.vector import (
+    LANES,
+    any_lane,
+    inlined,
+    lane_numbers,
+    load,
+    look_up,
+    same_ints,
+    scratch,
+    soon_read,
+    soon_written,
+    store,
+)
+from flowabs_nodes.filters.vector_walk import ALL, TOGETHER, advance, column, new_walks, set_out, turn
 
-Moves = npt.NDArray[np.int8]  # (H, 2 ways, steps, W): 16 rows + columns + 8
+Moves = npt.NDArray[np.int32]  # (H, words, 2 ways, row in memory), in one dimension
 
-MOST_STEPS = 16  # 32 bytes a pixel: what two pictures of records take
-LONGEST = 6  # tangents of at most this length move by at most 7 rows and 7 columns, 4 bits each
-NARROWEST = 16  # from this width on, rows and columns of such a move follow from the change of index
+STEPS = 8  # in a word
+MOST_STEPS = 16
+AHEAD = 128  # pixels: what is fetched while these are worked on
+
+_STAY = 0x55555555  # eight times 4 (0 + 1) + 0 + 1
 
 
-def written_walks(flow: Array, steps: int) -> Moves | None:
-    """The moves along the flow, ``steps`` each way; None where they do not fit into bytes, or these into memory."""
-    height, width, _ = flow.shape
-    if steps > MOST_STEPS or width < NARROWEST or flow.min() < -LONGEST or flow.max() > LONGEST:
+def written_walks(flow: Any, steps: int, frame: Frame) -> Moves | None:
+    """The moves along the flow, ``steps`` each way; None where they are too many, or longer than a pixel.
+
+    Of unit tangents no step is, unless an offset is exactly between two pixels.
+    """
+    if steps > MOST_STEPS:
         return None
-    moves = np.empty((height, 2, steps, width), np.int8)
-    _write(flow, moves)
-    return moves
-
-
-@inline
-def stay(pixel: Any, block: Block) -> None:
-    """Begin at the centres."""
-    for i in range(block.size):
-        pixel[i] = np.int32(first_pixel(block) + i)
-
-
-@inline
-def follow(moves: Any, pixel: Any, block: Block) -> None:
-    """One step further; ``moves`` are those of this step and way, for the whole row."""
-    width = np.int32(block.width)
-    for i in range(block.size):
-        move = np.int32(moves[u(block.x) + i])
-        rows, columns = np.int32(move >> 4), np.int32(np.int32(move & 15) - 8)
-        pixel[i] += np.int32(rows * width) + columns
-
-
-@parallel_kernel
-def _write(flow: Any, moves: Any) -> None:
-    height, width, _ = flow.shape
-    tangents = flow.reshape(-1)
-    for y in prange(height):
-        _write_row(tangents, np.int64(y), width, height, moves[y])
+    moves = np.empty(frame.height * -(-steps // STEPS) * 2 * frame.stride, np.int32)
+    fitting = over_rows(_write, frame.height, flow, steps, frame, moves)
+    return moves if all(fitting) else None
 
 
 @kernel
-def _write_row(flow: Any, y: int, width: int, height: int, moves: Any) -> None:
-    walk, last = new_walk(), scratch(np.int32, 1)
-    for x in range(0, width, COLUMNS):
-        block = Block(x, y, u(min(COLUMNS, width - x)), width, height)
-        for way in range(2):
-            start(walk, flow, way, block)
-            stay(last, block)
-            for s in range(moves.shape[1]):
-                step(walk, flow, block)
-                _write_step(last, walk.pixel, moves[u(way), u(s)], block)
+def _write(first: int, last: int, flow: Any, steps: int, frame: Frame, moves: Any) -> Any:
+    """Whether all of them fit."""
+    walks, place, word = new_walks(), scratch(np.int32, TOGETHER), scratch(np.int32, TOGETHER)
+    row, wrong = (steps + STEPS - 1) // STEPS * 2 * frame.stride, same_ints(0)
+    for y in range(first, last):
+        for x0 in range(0, frame.stride, ALL // 2):
+            for k in range(0, ALL, LANES):
+                soon_read(flow, min(y + steps + 1, frame.height - 1) * frame.stride + x0 + k // 2)
+                soon_written(moves, y * row + k // LANES % 2 * frame.stride + x0 + AHEAD + k // 2)
+            set_out(walks, flow, x0, y, frame)
+            for at in range(0, ALL, LANES):
+                store(place, at, _place(lane_numbers() + column(x0, at, frame), same_ints(y)))
+                store(word, at, same_ints(_STAY))
+            for s in range(steps):
+                for at in range(0, ALL, LANES):
+                    here = _place(*advance(walks, at, column(x0, at, frame), y, frame))
+                    now = load(word, at) + ((here - load(place, at)) << (4 * (s % STEPS)))
+                    store(place, at, here)
+                    store(word, at, now)
+                    if s % STEPS == STEPS - 1 or s == steps - 1:
+                        way = s // STEPS * 2 + at // LANES % 2
+                        store(moves, y * row + way * frame.stride + column(x0, at, frame), now)
+                        store(word, at, same_ints(_STAY))
+                        wrong = wrong | (now & (now >> 1))
+                if s < steps - 1:
+                    turn(walks, flow)
+    return not any_lane((wrong & _STAY) > 0)  # a move of 2 or more has both bits set for its rows or its columns
 
 
-@inline
-def _write_step(last: Any, pixel: Any, moves: Any, block: Block) -> None:
-    """The move from ``last`` to ``pixel``, which becomes the last."""
-    for i in range(block.size):
-        change = np.float64(pixel[i] - last[i])
-        rows = np.rint(change / np.float64(block.width))
-        columns = change - rows * np.float64(block.width)
-        moves[u(block.x) + i] = np.int8(16 * rows + columns + 8)
-        last[i] = pixel[i]
+@inlined
+def _place(x: Any, y: Any) -> Any:
+    """Differences of these are moves."""
+    return (y << 2) + x
+
+
+if PATH == "avx512":  # a table of what each of the sixteen moves changes in the place of a record of ``size`` floats
+
+    @inlined
+    def _changes(frame: Frame, size: int) -> Any:
+        move = lane_numbers()
+        return (((move >> 2) - 1) * frame.stride + (move & 3) - 1) * size
+
+    _first_change = look_up  # that of the first move in a word
+else:
+
+    @inlined
+    def _changes(frame: Frame, size: int) -> tuple[int, int]:
+        return frame.stride * size, size
+
+    @inlined
+    def _first_change(changes: tuple[int, int], word: Any) -> Any:
+        row, column = changes
+        return ((word >> 2) & 3) * row + (word & 3) * column - (row + column)
+
+
+@inlined
+def follow(moves: Any, steps: int, x: int, y: int, frame: Frame, size: int, places: Any) -> None:
+    """Write the places of the records at each step, by turns along and against the flow, to ``places``."""
+    words = (steps + STEPS - 1) // STEPS
+    along = against = (lane_numbers() + (y * frame.stride + x)) * size
+    changes = _changes(frame, size)
+    for s in range(steps):
+        if s % STEPS == 0:
+            at = (y * words + s // STEPS) * 2 * frame.stride + x
+            one, other = load(moves, at), load(moves, at + frame.stride)
+        along, against = along + _first_change(changes, one), against + _first_change(changes, other)
+        one, other = one >> 4, other >> 4
+        store(places, 2 * LANES * s, along)
+        store(places, 2 * LANES * s + LANES, against)

@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from flowabs_nodes.filters.arguments import Array
 from flowabs_nodes.filters.vector import (
@@ -48,7 +49,7 @@ def frame_of(picture: Array) -> Frame:
     return Frame(width, height, max(width, LANES))
 
 
-def padded(picture: Array, frame: Frame) -> Array:
+def padded(picture: npt.NDArray[Any], frame: Frame) -> npt.NDArray[Any]:
     """``picture`` in one dimension, rows that are too short filled up with zeros."""
     missing = frame.stride - frame.width
     if missing:

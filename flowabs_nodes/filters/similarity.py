@@ -2,6 +2,10 @@
 
 Each pass is a weighted mean of readings along some line or curve through a pixel: weight alpha G(s) h, where G falls
 with the distance s along the line and h, eq. 13, with the difference of colour from the pixel in the middle.
+
+Pictures are records of three floats, L, a, b, or where there is an alpha of four, L, a, b, alpha. Kernels have an
+argument ``alpha``, None or not, by which numba leaves out what does not happen. Behind the last record there is room
+for one float more: records are read four floats at a time.
 """
 
 from __future__ import annotations
@@ -11,15 +15,26 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from numba import prange
 
 from flowabs_nodes.filters import arguments, gaussian
 from flowabs_nodes.filters.arguments import Array
-from flowabs_nodes.filters.blocks import Block, first_pixel, inline, scratch, u
-from flowabs_nodes.filters.exponential import LOG2_E, exp2
-from flowabs_nodes.filters.kernels import parallel_kernel
+from flowabs_nodes.filters.points import Frame, padded
+from flowabs_nodes.filters.vector import (
+    exp2,
+    inlined,
+    load_quads,
+    load_triples,
+    same_floats,
+    select,
+    store_quads,
+    store_triples,
+)
 
+LOG2_E = 1.4426950408889634
 TINY = np.float32(1e-20)  # an alpha from which colours can no longer be told
+
+#: Fills its second argument from the first.
+Pass = Callable[[Array, Array], Any]
 
 
 def coverage(alpha: npt.ArrayLike | None, codes: Array) -> Array:
@@ -29,21 +44,29 @@ def coverage(alpha: npt.ArrayLike | None, codes: Array) -> Array:
     return arguments.plane("alpha", alpha, codes.shape)
 
 
-def in_turn(codes: Array, alpha: Array, passes: list[Callable[[Array, Array], None]], iterations: int) -> Array:
-    """``codes`` after each of the passes in turn, ``iterations`` times.
+def partial(alpha: npt.ArrayLike | None, codes: Array) -> Array | None:
+    """``alpha`` as (H, W), 0 where it is too little; None where it is 1 everywhere."""
+    if alpha is None:
+        return None
+    covered = arguments.plane("alpha", alpha, codes.shape)
+    return None if (covered == 1).all() else np.where(covered > TINY, covered, np.float32(0))
 
-    A pass fills its second argument from the first. Pixels are (alpha L, alpha a, alpha b, alpha) there, so that
-    bilinear readings mix colours by how much is there of each.
-    """
-    picture, smoothed = (np.empty((*codes.shape[:2], 4), np.float32) for _ in range(2))
-    _multiply(codes, alpha, picture)
+
+def in_turn(codes: Array, alpha: Array | None, frame: Frame, passes: list[Pass], iterations: int) -> Array:
+    """``codes`` after each of the passes in turn, ``iterations`` times."""
+    if not passes or iterations == 0:
+        return codes.copy()
+    size = 3 if alpha is None else 4
+    numbers = frame.height * frame.stride * size
+    picture, smoothed = (np.empty(numbers + 1, np.float32) for _ in range(2))
+    picture[:numbers] = padded(codes if alpha is None else np.dstack([codes, alpha]), frame)
+    picture[numbers:] = smoothed[numbers:] = 0
     for _ in range(iterations):
         for smooth in passes:
             smooth(picture, smoothed)
             picture, smoothed = smoothed, picture
-    result = smoothed.reshape(-1)[: codes.size].reshape(codes.shape)  # its memory is free now
-    _divide(picture, codes, result)
-    return result
+    result = picture[:numbers].reshape(frame.height, frame.stride, size)[:, : frame.width, :3]
+    return np.ascontiguousarray(result)
 
 
 def closeness(sigma: float) -> Array:
@@ -57,30 +80,17 @@ def falloff(r: float) -> np.float32:
     return np.float32(max(-LOG2_E / 2 / r / r, -1e30))
 
 
-@parallel_kernel
-def _multiply(codes: Any, alpha: Any, picture: Any) -> None:
-    height, width, _ = codes.shape
-    for y in prange(height):
-        for x in range(width):
-            a = alpha[y, x] if alpha[y, x] > TINY else np.float32(0.0)
-            picture[y, x, 0] = a * codes[y, x, 0]
-            picture[y, x, 1] = a * codes[y, x, 1]
-            picture[y, x, 2] = a * codes[y, x, 2]
-            picture[y, x, 3] = a
+class Color(NamedTuple):
+    """Of sixteen records; ``alpha`` is 1 in records of three."""
 
-
-@parallel_kernel
-def _divide(picture: Any, codes: Any, result: Any) -> None:
-    height, width, _ = codes.shape
-    for y in prange(height):
-        for x in range(width):
-            a = picture[y, x, 3]
-            for c in range(3):
-                result[y, x, c] = picture[y, x, c] / a if a > 0 else codes[y, x, c]
+    l: Any  # noqa: E741
+    a: Any
+    b: Any
+    alpha: Any
 
 
 class Sums(NamedTuple):
-    """Of each pixel of a block: its colour, the weighted sum of differences from it, and the sum of weights.
+    """The weighted sums of differences of colour from the centre, and the sum of weights.
 
     Sums of differences round less than sums of colours would, and constants stay exactly as they are.
     """
@@ -88,67 +98,50 @@ class Sums(NamedTuple):
     l: Any  # noqa: E741
     a: Any
     b: Any
-    dl: Any
-    da: Any
-    db: Any
     weight: Any
 
 
-@inline
-def new_sums() -> Sums:
-    return Sums(
-        scratch(np.float32, 1),
-        scratch(np.float32, 1),
-        scratch(np.float32, 1),
-        scratch(np.float32, 1),
-        scratch(np.float32, 1),
-        scratch(np.float32, 1),
-        scratch(np.float32, 1),
-    )
+@inlined
+def floats_of(alpha: Any) -> int:
+    """In a record."""
+    return 3 if alpha is None else 4
 
 
-@inline
-def begin(sums: Sums, picture: Any, block: Block) -> None:
-    """The centre counts with its own alpha; its difference is 0."""
-    first = u(4) * first_pixel(block)
-    for i in range(block.size):
-        k = first + u(4) * i
-        alpha = picture[k + u(3)]
-        over = np.float32(1.0) / alpha if alpha > 0 else np.float32(0.0)
-        sums.l[i] = over * picture[k]
-        sums.a[i] = over * picture[k + u(1)]
-        sums.b[i] = over * picture[k + u(2)]
-        sums.dl[i] = np.float32(0.0)
-        sums.da[i] = np.float32(0.0)
-        sums.db[i] = np.float32(0.0)
-        sums.weight[i] = alpha
+@inlined
+def color(picture: Any, pixel: int, alpha: Any) -> Color:
+    """Of ``pixel`` and the fifteen after it."""
+    if alpha is None:
+        l, a, b = load_triples(picture, 3 * pixel)  # noqa: E741
+        return Color(l, a, b, same_floats(1.0))
+    l, a, b, covered = load_quads(picture, 4 * pixel)  # noqa: E741
+    return Color(l, a, b, covered)
 
 
-@inline
-def weigh(sums: Sums, values: Any, closeness: Any, falloff: Any, block: Block) -> None:
-    """Add one reading for each pixel, weighted by alpha G h."""
-    for i in range(block.size):
-        k = u(4) * i
-        alpha = values[k + u(3)]
-        over = np.float32(1.0) / alpha if alpha > TINY else np.float32(0.0)
-        dl = over * values[k] - sums.l[i]
-        da = over * values[k + u(1)] - sums.a[i]
-        db = over * values[k + u(2)] - sums.b[i]
-        weight = alpha * exp2(closeness + falloff * (dl * dl + da * da + db * db))
-        sums.dl[i] += weight * dl
-        sums.da[i] += weight * da
-        sums.db[i] += weight * db
-        sums.weight[i] += weight
+@inlined
+def only(centre: Color) -> Sums:
+    """The centre, with its own alpha; its difference is 0."""
+    nothing = same_floats(0.0)
+    return Sums(nothing, nothing, nothing, centre.alpha)
 
 
-@inline
-def finish(sums: Sums, picture: Any, smoothed: Any, block: Block) -> None:
-    first = u(4) * first_pixel(block)
-    for i in range(block.size):
-        k = first + u(4) * i
-        alpha = picture[k + u(3)]
-        over = np.float32(1.0) / sums.weight[i] if alpha > 0 else np.float32(0.0)
-        smoothed[k] = alpha * (sums.l[i] + over * sums.dl[i])
-        smoothed[k + u(1)] = alpha * (sums.a[i] + over * sums.da[i])
-        smoothed[k + u(2)] = alpha * (sums.b[i] + over * sums.db[i])
-        smoothed[k + u(3)] = alpha
+@inlined
+def add(sums: Sums, centre: Color, reading: Color, closeness: float, falloff: float, alpha: Any) -> Sums:
+    """And one reading for each pixel, with its weight alpha G h."""
+    l, a, b = reading.l - centre.l, reading.a - centre.a, reading.b - centre.b  # noqa: E741
+    weight = exp2((l * l + a * a + b * b) * falloff + closeness)
+    if alpha is not None:
+        weight = weight * reading.alpha
+    return Sums(sums.l + weight * l, sums.a + weight * a, sums.b + weight * b, sums.weight + weight)
+
+
+@inlined
+def mean(sums: Sums, centre: Color, smoothed: Any, pixel: int, alpha: Any) -> None:
+    """Write the weighted mean; where alpha is 0 the colour stays what it was."""
+    over = 1.0 / sums.weight
+    if alpha is not None:
+        over = select(centre.alpha > 0.0, over, 0.0)
+    l, a, b = centre.l + over * sums.l, centre.a + over * sums.a, centre.b + over * sums.b  # noqa: E741
+    if alpha is None:
+        store_triples(smoothed, 3 * pixel, (l, a, b))
+    else:
+        store_quads(smoothed, 4 * pixel, (l, a, b, centre.alpha))

@@ -3,7 +3,7 @@ import pytest
 
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import bilateral_oriented, fbl
-from flowabs_nodes.filters.bilateral_oriented import KERNELS, _curvature
+from flowabs_nodes.filters.bilateral_oriented import KERNELS, curvature
 from flowabs_nodes.filters.sampling import SAMPLINGS
 from tests.filters.flows import THIN, cases, random_flow
 from tests.naive import bilateral as naive
@@ -61,8 +61,7 @@ def test_where_the_flow_is_straight_line_arc_and_curve_are_one():
 
 def test_curvature_of_circles_is_one_over_their_radius():
     flow, radius = circles()
-    kappa = np.empty(flow.shape[:2])
-    _curvature(flow, kappa)
+    kappa = curvature(flow)
     np.testing.assert_allclose(kappa[1:-1, 1:-1], 1 / radius[1:-1, 1:-1], rtol=1e-3)
     np.testing.assert_allclose(naive.curvature(flow), kappa, rtol=0, atol=1e-12)
 
