@@ -7,12 +7,14 @@ row of a result is worked out by one thread, in one order, so their number never
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from concurrent.futures import ThreadPoolExecutor, wait
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 _BANDS = 8  # for each thread: some end later than others
@@ -32,12 +34,39 @@ def every() -> int:
     given = os.environ.get("NUMBA_NUM_THREADS", "")
     if given.isdecimal() and int(given) > 0:
         return int(given)
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if hasattr(os, "process_cpu_count"):  # Python 3.13
+        processors = os.process_cpu_count()
+    else:
+        processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    return max(1, math.ceil(min(processors or 1, _granted())))
+
+
+def _granted(groups: Path = Path("/sys/fs/cgroup"), own: Path = Path("/proc/self/cgroup")) -> float:
+    """How many processors' time a container's limit leaves: the least of its control group and those it is in."""
+    try:
+        memberships = [line.split(":", 2)[1:] for line in own.read_text(encoding="utf-8").splitlines()]
+    except OSError:
+        return math.inf
+    granted = math.inf
+    for controllers, path in memberships:
+        if not controllers or "cpu" in controllers.split(","):  # version 2, or version 1
+            group = (groups / "cpu" if controllers else groups) / path.lstrip("/")
+            granted = min(granted, *map(_quota, (group, *group.parents)))
+    return granted
+
+
+def _quota(group: Path) -> float:
+    for names in (["cpu.max"], ["cpu.cfs_quota_us", "cpu.cfs_period_us"]):
+        with suppress(OSError, ValueError):  # no such file; "max"
+            quota, period = " ".join((group / name).read_text(encoding="utf-8") for name in names).split()
+            if float(quota) > 0:
+                return float(quota) / float(period)
+    return math.inf
 
 
 @contextmanager
 def limited(threads: int) -> Iterator[None]:
-    """Kernels called inside use no more than ``threads`` threads, at least 1."""
+    """Kernels called inside, by this thread, use ``threads`` threads, at least 1."""
     token = _limit.set(max(1, threads))
     try:
         yield
@@ -62,8 +91,14 @@ def over_rows(kernel: Callable[..., Any], height: int, *arguments: Any, least: i
             results[band] = kernel(edges[band], edges[band + 1], *arguments)
 
     helpers = [_pool(os.getpid(), threads - 1).submit(work) for _ in range(min(threads, bands) - 1)]
-    work()
-    for helper in helpers:
+    try:
+        work()
+    finally:
+        for _ in waiting:  # after an error the other bands need not begin
+            pass
+        begun = [helper for helper in helpers if not helper.cancel()]  # the others are busy elsewhere
+        wait(begun)
+    for helper in begun:
         helper.result()
     return results
 
