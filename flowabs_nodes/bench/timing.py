@@ -83,39 +83,33 @@ def measure(cases: Mapping[str, Case], threads: Sequence[int], seconds: float) -
     found: dict[tuple[str, int], list[tuple[float, float]]] = {key: [] for key in todo}
     spent = dict.fromkeys(todo, 0.0)
     order = random.Random(2009)
-    with several_threads() as use:
-        while todo:
-            order.shuffle(todo)
-            for key in todo:
-                name, count = key
-                use(count)
-                begin = time.perf_counter()
+    while todo:
+        order.shuffle(todo)
+        for key in todo:
+            name, count = key
+            begin = time.perf_counter()
+            with on_threads(count):
                 found[key].append(cases[name].seconds())
-                spent[key] += time.perf_counter() - begin
-            todo = [key for key in todo if len(found[key]) < LEAST or (spent[key] < seconds and len(found[key]) < MOST)]
+            spent[key] += time.perf_counter() - begin
+        todo = [key for key in todo if len(found[key]) < LEAST or (spent[key] < seconds and len(found[key]) < MOST)]
     return {key: cases[key[0]].spread(taken) for key, taken in found.items()}
 
 
 @contextmanager
-def several_threads() -> Iterator[Callable[[int], None]]:
-    """A function that sets how many threads numba and, where it is in use, OpenCV work on; put back at the end."""
-    import numba
+def on_threads(count: int) -> Iterator[None]:
+    """Inside, kernels and, where it is in use, OpenCV work on so many threads."""
+    from flowabs_nodes.filters import threads
 
-    before = numba.get_num_threads()
     cv2 = sys.modules.get("cv2")
-    before_cv2 = cv2.getNumThreads() if cv2 is not None else 0
-
-    def use(count: int) -> None:
-        numba.set_num_threads(count)
+    before = cv2.getNumThreads() if cv2 is not None else 0
+    try:
         if cv2 is not None:
             cv2.setNumThreads(count)
-
-    try:
-        yield use
+        with threads.limited(count):
+            yield
     finally:
-        numba.set_num_threads(before)
         if cv2 is not None:
-            cv2.setNumThreads(before_cv2)
+            cv2.setNumThreads(before)
 
 
 class Elsewhere:
@@ -145,9 +139,9 @@ class Elsewhere:
 
 def thread_counts() -> tuple[int, ...]:
     """One thread, and all there are."""
-    import numba
+    from flowabs_nodes.filters.threads import every
 
-    return tuple(sorted({1, numba.get_num_threads()}))
+    return tuple(sorted({1, every()}))
 
 
 def _seconds(run: Callable[[Any], object], given: Any) -> float:

@@ -24,6 +24,7 @@ import numba
 import numpy as np
 
 from flowabs_nodes import filters
+from flowabs_nodes.filters import threads
 
 RADII = tuple(range(2, 21, 2))
 
@@ -67,9 +68,7 @@ def cases(size: int) -> list[Case]:
 
 def measure(size: int = 512, radii: Sequence[int] = RADII, repeats: int = 15) -> dict[str, Any]:
     """Times and fits of all filters, as :func:`main` writes them: seconds, by filter and radius."""
-    before = numba.get_num_threads()
-    numba.set_num_threads(1)
-    try:
+    with threads.limited(1):
         shown = cases(size)
         for case in shown:
             case.run(min(radii))  # compiles, or reads what was compiled
@@ -82,8 +81,6 @@ def measure(size: int = 512, radii: Sequence[int] = RADII, repeats: int = 15) ->
                 begin = time.process_time()
                 case.run(radius)
                 seconds[case.name, radius].append(time.process_time() - begin)
-    finally:
-        numba.set_num_threads(before)
     found: dict[str, Any] = {}
     for case in shown:
         runs = [seconds[case.name, radius] for radius in radii]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 import tempfile
 from functools import partial
 
@@ -12,6 +11,7 @@ import numpy as np
 from flowabs_nodes.engine.apply import apply, deliver
 from flowabs_nodes.engine.failures import InternalError
 from flowabs_nodes.errors import FlowabsError
+from flowabs_nodes.filters import threads
 from flowabs_nodes.image import PORT_TYPES, Array, Image
 from flowabs_nodes.io.settings import Settings
 from flowabs_nodes.nodes.declare import MASK, Context, Node
@@ -128,19 +128,10 @@ def gives_the_same_again(node: Node) -> None:
 def same_on_any_number_of_threads(node: Node) -> None:
     inputs = partial(inputs_of, node, "noise", 37, 41)
     expected = run_node(node, inputs())
-    if "numba" not in sys.modules:
-        return
-    import numba
-
-    most = numba.get_num_threads()
-    try:
-        for threads in {1, 2, numba.config.NUMBA_NUM_THREADS}:
-            if threads <= numba.config.NUMBA_NUM_THREADS:
-                numba.set_num_threads(threads)
-                for name, image in run_node(node, inputs()).items():
-                    require(equal(image, expected[name]), f"output {name!r} differs on {threads} threads")
-    finally:
-        numba.set_num_threads(most)
+    for count in {1, 2, threads.every()}:
+        with threads.limited(count):
+            for name, image in run_node(node, inputs()).items():
+                require(equal(image, expected[name]), f"output {name!r} differs on {count} threads")
 
 
 def mixes(node: Node) -> None:

@@ -2,7 +2,6 @@
 
 import warnings
 
-import numba
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,6 +11,7 @@ from hypothesis.extra import numpy as hnp
 from flowabs_nodes import color
 from flowabs_nodes.color.spaces import KNOWN, SOURCES, normalised, to_ap1
 from flowabs_nodes.errors import ArgumentError, ColorError
+from flowabs_nodes.filters import threads
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")
@@ -161,15 +161,11 @@ def test_brighter_is_never_darker(space):
 @BOTH
 def test_same_bits_at_any_number_of_threads(space):
     rgb = pixels(shape=(61, 47))
-    before = numba.get_num_threads()
     results = []
-    try:
-        for threads in {1, numba.config.NUMBA_NUM_THREADS}:
-            numba.set_num_threads(threads)
+    for count in (1, 2, 3):
+        with threads.limited(count):
             codes = color.encode(rgb, space)
             results.append((codes, color.decode(codes, space), color.encode_mono(rgb, space)))
-    finally:
-        numba.set_num_threads(before)
     for result in results[1:]:
         for first, other in zip(results[0], result, strict=True):
             np.testing.assert_array_equal(first, other)

@@ -1,4 +1,3 @@
-import numba
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -85,9 +84,3 @@ def test_errors_name_the_argument(image, sigma, parameter):
     with pytest.raises(ArgumentError, match=parameter) as error:
         blur(image, sigma)
     assert error.value.parameter == parameter
-
-
-def test_threads_are_put_back(each_thread_count):
-    before = numba.get_num_threads()
-    each_thread_count(lambda: None)
-    assert numba.get_num_threads() == before
