@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple, cast
 
@@ -68,7 +69,13 @@ class Image:
 
     ``pixels`` is (H, W, C) float32: scene-linear premultiplied for color, as they are for all else.
     :meth:`encoded` gives code values, made once and shared by everything that asks for the same.
+
+    Two things are for who knows what comes next. ``expects``: spaces whose code values somebody will want after those
+    of the lightness, so that both are best made together. ``keeps_codes``: False where nobody asks for any again.
     """
+
+    expects: frozenset[str] = frozenset()
+    keeps_codes: bool = True
 
     def __init__(
         self,
@@ -99,7 +106,6 @@ class Image:
         self._undecoded: Undecoded | None = None
         self._codes: dict[tuple[str, float | None], Array] = {}
         self._monos: dict[tuple[str, float | None], Array] = {}
-        self._expected: frozenset[str] = frozenset()
         self._alpha: Array | None = None
         self._alpha_known = False
 
@@ -174,7 +180,7 @@ class Image:
             return self._undecoded.codes
         if (space, ground) not in self._codes:
             self._encode(space, ground, mono=False)
-        return self._codes[space, ground]
+        return self._handed_out(self._codes[space, ground])
 
     def encoded_mono(self, space: str = "lab", *, ground: float | None = None) -> Array:
         """(H, W) float32 code values of the lightness: L* (lab), or ACEScct of the AP1 luminance (acescct)."""
@@ -185,8 +191,14 @@ class Image:
             if ground is None and space == "lab" and undecoded and undecoded.plain and undecoded.space == space:
                 self._monos[space, ground] = np.ascontiguousarray(undecoded.codes[..., 0])
             else:
-                self._encode(space, ground, codes=ground is None and space in self._expected)
-        return self._monos[space, ground]
+                self._encode(space, ground, codes=ground is None and space in self.expects)
+        return self._handed_out(self._monos[space, ground])
+
+    def _handed_out(self, codes: Array) -> Array:
+        if not self.keeps_codes:
+            self._codes.clear()
+            self._monos.clear()
+        return codes
 
     def _encode(self, space: str, ground: float | None, *, codes: bool = True, mono: bool = True) -> None:
         """Make code values of all channels, of the lightness, or both in one go."""
@@ -242,6 +254,12 @@ class Image:
         image = Image(None, self._spec, "color", colorspace=self.colorspace, origin=self.origin)
         image._undecoded = undecoded
         image._alpha, image._alpha_known = self.alpha, True
+        return image
+
+    def alone(self) -> Image:
+        """The same image; code values that are asked of it from now on are its own, and go with it."""
+        image = copy.copy(self)
+        image._codes, image._monos = dict(self._codes), dict(self._monos)
         return image
 
     def as_type(self, type: PortType) -> Image:

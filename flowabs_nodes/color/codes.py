@@ -18,8 +18,8 @@ from flowabs_nodes.color.spaces import space as find_space
 from flowabs_nodes.color.undecoded import Undecoded
 from flowabs_nodes.errors import ArgumentError, nearest
 from flowabs_nodes.filters.arguments import refuse
-from flowabs_nodes.filters.finite import vouch
 from flowabs_nodes.filters.pointwise import new_run, over_pixels, picture_of, run_of
+from flowabs_nodes.filters.vouched import vouch
 
 Array = npt.NDArray[np.float32]
 

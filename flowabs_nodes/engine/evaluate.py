@@ -17,6 +17,7 @@ from flowabs_nodes.engine.plan import Result, Step, Unit
 from flowabs_nodes.engine.report import Note
 from flowabs_nodes.engine.resize import scale_image
 from flowabs_nodes.engine.scale import length_factor, scale_lengths
+from flowabs_nodes.filters.vouched import remembered
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node
 
@@ -58,16 +59,33 @@ class Evaluation:
         self, steps: Collection[Step], given: Mapping[Result, Image], keep: Collection[Result] = ()
     ) -> dict[Result, Image]:
         """Run all steps; the results named in ``keep`` come back, all others are let go after their last use."""
-        held = dict(given)
+        held = {result: image.alone() for result, image in given.items()}
+        expected = self._expected(steps)
+        for result, image in held.items():
+            image.expects = expected.get(result, frozenset())
+        with remembered():
+            for step in steps:
+                images = {name: held[result] for name, result in step.inputs.items()}
+                for name, result in step.inputs.items():
+                    images[name].keeps_codes = result not in step.drops
+                with self.timed(step.unit.node):
+                    outputs = self._step(step, images)
+                for output, image in outputs.items():
+                    result = Result(step.unit.node, output, step.unit.frame)
+                    held[result], image.expects, image.keeps_codes = image, expected.get(result, frozenset()), True
+                for result in step.drops:
+                    held.pop(result, None)
+                del images, outputs
+        return {result: given.get(result) or held[result] for result in keep}
+
+    def _expected(self, steps: Collection[Step]) -> dict[Result, frozenset[str]]:
+        """For each picture, the spaces in which somebody is going to smooth it."""
+        spaces: dict[Result, set[str]] = {}
         for step in steps:
-            images = {name: held[result] for name, result in step.inputs.items()}
-            with self.timed(step.unit.node):
-                for output, image in self._step(step, images).items():
-                    held[Result(step.unit.node, output, step.unit.frame)] = image
-            for result in step.drops:
-                held.pop(result, None)
-            del images
-        return {result: held[result] for result in keep}
+            space = self.params[step.unit].get("space")
+            if space is not None and "image" in step.inputs and self.graph.nodes[step.unit.node].declaration.mixes:
+                spaces.setdefault(step.inputs["image"], set()).add(space)
+        return {result: frozenset(each) for result, each in spaces.items()}
 
     def _step(self, step: Step, images: Mapping[str, Image]) -> dict[str, Image]:
         node, frame = step.unit

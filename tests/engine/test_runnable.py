@@ -158,3 +158,40 @@ def test_a_result_is_let_go_after_its_last_use():
     graph = load_graph(graphs.load(document(**chain), catalogue() | {"watch": node}))
     out = graph.run(given={"plate": picture()}, outputs=["n4"])
     np.testing.assert_allclose(out["n4"].pixels, picture().pixels + 5, rtol=1e-5)
+
+
+def test_code_values_of_a_given_image_are_made_once_and_go_with_the_run():
+    seen = []
+
+    def look(context, image):
+        seen.append(image.encoded("lab"))
+        return image.with_pixels(image.pixels + 1)
+
+    port = Port("image", "color", "A picture.")
+    node = Node("look", 1, "Looks.", (port,), (Port("image", "=image", "Plus 1."),), (), look)
+    twice = {name: {"type": "look@1", "inputs": {"image": "plate"}} for name in ("a", "b")}
+    graph = load_graph(graphs.load(document(**twice), catalogue() | {"look": node}))
+    image = picture()
+    graph.run(given={"plate": image}, outputs=["a", "b"])
+    assert seen[0] is seen[1]
+    assert image.encoded("lab") is not seen[0]
+
+
+def test_an_array_is_searched_for_nan_once_in_a_run(monkeypatch):
+    from flowabs_nodes.filters import arguments, finite
+
+    looks = []
+    original = finite.over_pixels
+    monkeypatch.setattr(finite, "over_pixels", lambda *args: looks.append(1) or original(*args))
+
+    def look(context, image):
+        arguments.planes("rgb", image.pixels)
+        return image
+
+    port = Port("image", "color", "A picture.")
+    node = Node("look", 1, "Looks.", (port,), (Port("image", "=image", "The same."),), (), look)
+    chain = {f"n{i}": {"type": "look@1", "inputs": {"image": f"n{i - 1}" if i else "plate"}} for i in range(3)}
+    graph = load_graph(graphs.load(document(**chain), catalogue() | {"look": node}))
+    for runs in (1, 2):
+        graph.run(given={"plate": picture()}, outputs=["n2"])
+        assert len(looks) == runs

@@ -1,0 +1,167 @@
+"""Pixels and code values of an image: made when asked for, once, and in one go where that is possible."""
+
+import numpy as np
+import pytest
+
+from flowabs_nodes import color, filters
+from flowabs_nodes.color import codes as encodings
+from flowabs_nodes.engine.apply import apply
+from flowabs_nodes.image import Image
+from flowabs_nodes.nodes import catalogue
+from flowabs_nodes.nodes.declare import Context
+from tests.engine.fakes import picture
+
+LINES = np.linspace(0, 1, 48, dtype=np.float32).reshape(6, 8)
+
+
+def with_holes(seed=1):
+    """Premultiplied RGBA; nothing, something and everything there."""
+    image = picture(alpha=True, seed=seed)
+    pixels = image.pixels.copy()
+    pixels[..., 3] = np.clip(3 * pixels[..., 3] - 1, 0, 1)
+    pixels[..., :3] *= pixels[..., 3:]
+    pixels[0, 0] = (0.5, 0.25, 0.125, 0)  # light without cover
+    return image.with_pixels(pixels)
+
+
+def smoothed(image, space):
+    """As a filter leaves it: code values, here darker ones."""
+    return image.with_codes(image.encoded(space) * np.float32(0.9), space)
+
+
+def node(name, image, **inputs_and_params):
+    inputs = {name: value for name, value in inputs_and_params.items() if isinstance(value, Image)}
+    params = {name: value for name, value in inputs_and_params.items() if name not in inputs}
+    return apply(catalogue()[name], Context(), {"image": image, **inputs}, params)["image"]
+
+
+@pytest.fixture
+def conversions(monkeypatch):
+    """The names of conversions, as they happen."""
+    seen = []
+
+    def count(name, original):
+        def counted(*args, **kwargs):
+            seen.append(name)
+            return original(*args, **kwargs)
+
+        monkeypatch.setattr(encodings, name, counted)
+
+    count("encoded", encodings.encoded)
+    count("decoded", encodings.decoded)
+    return seen
+
+
+@pytest.mark.parametrize("space", color.SPACES)
+def test_without_alpha_code_values_are_the_pixels(space):
+    image = picture()
+    np.testing.assert_array_equal(image.encoded(space), color.encode(image.pixels, space))
+    np.testing.assert_array_equal(image.encoded_mono(space, ground=1.0), color.encode_mono(image.pixels, space))
+    np.testing.assert_array_equal(
+        smoothed(image, space).pixels, color.decode(smoothed(image, space).encoded(space), space)
+    )
+
+
+@pytest.mark.parametrize("space", color.SPACES)
+def test_with_alpha_smoothing_sees_the_colour_and_looking_the_ground_behind(space):
+    image = with_holes()
+    rgb, a = image.pixels[..., :3], image.pixels[..., 3:]
+    bare = np.divide(rgb, a, out=np.zeros_like(rgb), where=a > 0)
+    np.testing.assert_allclose(image.encoded(space), color.encode(bare, space), atol=1e-4)
+    np.testing.assert_allclose(image.encoded_mono(space), color.encode_mono(bare, space), atol=1e-4)
+    over = rgb + (1 - a) * np.float32(0.5)
+    np.testing.assert_allclose(image.encoded(space, ground=0.5), color.encode(over, space), atol=1e-4)
+    np.testing.assert_allclose(image.encoded_mono(space, ground=0.5), color.encode_mono(over, space), atol=1e-4)
+
+
+@pytest.mark.parametrize("space", color.SPACES)
+def test_code_values_come_back_under_the_same_alpha(space):
+    image = with_holes()
+    result = smoothed(image, space)
+    rgb, a = color.decode(result.encoded(space), space), image.pixels[..., 3:]
+    np.testing.assert_array_equal(result.pixels[..., 3:], a)
+    np.testing.assert_allclose(result.pixels[..., :3], np.where(a == 0, image.pixels[..., :3], rgb * a), atol=1e-6)
+    again = smoothed(result, space)
+    np.testing.assert_array_equal(again.pixels[0, 0], image.pixels[0, 0])
+
+
+def test_alpha_of_one_everywhere_stays_a_channel_and_is_no_alpha():
+    pixels = picture(alpha=True).pixels.copy()
+    pixels[..., 3] = 1
+    image = Image.from_array(pixels)
+    assert image.alpha is None
+    result = smoothed(image, "lab")
+    assert result.alpha is None
+    assert result.channels == ("R", "G", "B", "A")
+    assert (result.pixels[..., 3] == 1).all()
+
+
+@pytest.mark.parametrize("softness", [0.0, 0.7])
+@pytest.mark.parametrize("make", [picture, with_holes])
+def test_quantise_and_ink_on_the_way_are_those_of_pixels(make, softness, conversions):
+    image = smoothed(make(), "lab")
+    lines = image.with_pixels(LINES, "matte")
+    flat = node("quantize", image, levels=5, softness=softness)
+    comp = node("composite", flat, lines=lines, ink=(0.1, 0.2, 0.3), opacity=0.6)
+    assert conversions.count("decoded") == 0
+    found = comp.pixels
+    assert conversions.count("decoded") == 1
+
+    plain = image.with_pixels(image.pixels)  # nothing left of code values
+    assert plain.undecoded is None
+    expected = node("quantize", plain, levels=5, softness=softness)
+    np.testing.assert_allclose(flat.pixels, expected.pixels, rtol=1e-4, atol=1e-5)
+    expected = node("composite", expected, lines=lines, ink=(0.1, 0.2, 0.3), opacity=0.6)
+    np.testing.assert_allclose(found, expected.pixels, rtol=1e-4, atol=1e-5)
+    np.testing.assert_allclose(comp.encoded("lab"), expected.encoded("lab"), atol=1e-2)
+
+
+def test_quantise_is_a_gain_on_light():
+    image = picture()
+    lstar = color.encode_mono(image.pixels) / np.float32(2.55)
+    gain = color.lstar_inverse(filters.quantize(lstar, 5)) / color.lstar_inverse(np.maximum(lstar, 1))
+    np.testing.assert_allclose(node("quantize", image, levels=5).pixels, image.pixels * gain[..., None], rtol=1e-5)
+
+
+def test_code_values_are_made_once(conversions):
+    image = picture()
+    assert image.encoded("lab") is image.encoded("lab")
+    assert image.encoded_mono("lab") is image.encoded_mono("lab", ground=1.0)
+    assert image.with_codes(image.encoded("lab"), "lab").encoded("lab") is image.encoded("lab")
+    assert conversions == ["encoded", "encoded"]
+
+
+def test_lightness_and_colour_are_made_together_where_both_are_expected(conversions):
+    image, plain = picture(), picture()
+    image.expects = frozenset({"lab"})
+    np.testing.assert_array_equal(image.encoded_mono("lab"), plain.encoded_mono("lab"))
+    del conversions[:]
+    np.testing.assert_array_equal(image.encoded("lab"), plain.encoded("lab"))
+    assert conversions == ["encoded"], "that of the plain one"
+
+
+def test_who_asks_last_gets_code_values_that_nobody_else_holds(conversions):
+    image = picture()
+    codes, mono = image.encoded("lab"), image.encoded_mono("lab")
+    image.keeps_codes = False
+    assert image.encoded("lab") is codes
+    image.keeps_codes = True
+    assert image.encoded_mono("lab") is not mono
+    assert conversions == ["encoded"] * 3
+
+
+def test_alone_shares_pixels_and_keeps_its_code_values_to_itself(conversions):
+    image = picture()
+    alone = image.alone()
+    assert alone.pixels is image.pixels
+    assert alone.encoded("lab") is not image.encoded("lab")
+    assert image.alone().encoded("lab") is image.encoded("lab")
+
+
+def test_a_picture_that_is_not_finite_is_refused_when_it_is_looked_at():
+    pixels = picture().pixels.copy()
+    pixels[2, 3, 1] = np.nan
+    image = Image.from_array(pixels)
+    for look in (image.encoded, image.encoded_mono, lambda: node("quantize", image)):
+        with pytest.raises(Exception, match="found 1 that are NaN or Inf"):
+            look()
