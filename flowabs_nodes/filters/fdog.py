@@ -7,16 +7,16 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from numba import prange
 
 from flowabs_nodes.filters import arguments, gaussian
 from flowabs_nodes.filters.arguments import Array
 from flowabs_nodes.filters.blocks import COLUMNS, Block, first_pixel, scratch, u
 from flowabs_nodes.filters.exponential import LOG2_E, exp2
-from flowabs_nodes.filters.flow_blur import along
+from flowabs_nodes.filters.flow_blur import along, planes_of
 from flowabs_nodes.filters.gradient_line import across
-from flowabs_nodes.filters.kernels import kernel, parallel_kernel
+from flowabs_nodes.filters.kernels import kernel
 from flowabs_nodes.filters.sampling import SAMPLINGS, find, new_between, read_between, records, snap
+from flowabs_nodes.filters.threads import over_rows
 from flowabs_nodes.filters.walk import new_walk, start, step
 
 
@@ -66,7 +66,7 @@ def fdog(
     code = arguments.plane_or_planes("code", code)
     flow = arguments.flow_field(flow, code.shape)
     detector = Detector.checked(sigma_m, sigma_c, rho, color_weight, kernel, sampling)
-    return detector.response(records(code), flow)
+    return detector.response(planes_of(code if color_weight > 0 or code.ndim == 2 else code[..., 0]), flow)
 
 
 @dataclass(frozen=True)
@@ -94,56 +94,54 @@ class Detector:
             sampling=arguments.choice("sampling", sampling, SAMPLINGS),
         )
 
-    def response(self, image: Array, flow: Array) -> Array:
-        """H of a picture (H, W, 1 or 4)."""
-        if self.color_weight == 0:
-            image = records(np.ascontiguousarray(image[..., 0]))
+    def response(self, planes: Array, flow: Array) -> Array:
+        """H of a picture (C, H, W), its first plane alone without a weight for colour."""
+        planes = planes if self.color_weight > 0 else planes[:1]
         if self.full:
-            responses = _full(image, flow, self.taps, self.weights, self.sampling)
+            responses = _full(planes, flow, self.taps, self.weights, self.sampling)
         else:
-            responses = along(across(image, flow, self.taps), flow, self.weights, self.sampling)
+            responses = along(across(planes, flow, self.taps), flow, self.weights, self.sampling)
         if self.color_weight == 0:
-            return np.ascontiguousarray(responses[..., 0])
-        joined = np.empty(image.shape[:2], np.float32)
-        _join(responses, np.float32(self.color_weight), joined)
+            return responses[0]
+        joined = np.empty(flow.shape[:2], np.float32)
+        over_rows(_join, flow.shape[0], responses, np.float32(self.color_weight), joined)
         return joined
 
 
-@parallel_kernel
-def _join(responses: Any, weight: Any, joined: Any) -> None:
-    """H of all channels together."""
-    for y in prange(joined.shape[0]):
-        _join_row(responses[y], weight, joined[y])
-
-
 @kernel
-def _join_row(responses: Any, weight: Any, joined: Any) -> None:
-    is_color = responses.shape[1] > 1
-    for x in range(u(joined.size)):
-        d = responses[x, u(0)]
-        a = weight * responses[x, u(1)] if is_color else np.float32(0.0)
-        b = weight * responses[x, u(2)] if is_color else np.float32(0.0)
-        # tanh(2 |d|) = (1 - e) / (1 + e) with e = exp(-4 |d|)
-        e = exp2(np.float32(-4 * LOG2_E) * abs(d))
-        strength = (np.float32(1.0) - e) / (np.float32(1.0) + e) * np.sqrt(d * d + a * a + b * b)
-        joined[x] = -strength if d < 0 else strength
+def _join(first: int, last: int, responses: Any, weight: Any, joined: Any) -> None:
+    """H of all channels together."""
+    is_color = responses.shape[0] > 1
+    for y in range(first, last):
+        for x in range(u(joined.shape[1])):
+            d = responses[0, y, x]
+            a = weight * responses[1, y, x] if is_color else np.float32(0.0)
+            b = weight * responses[2, y, x] if is_color else np.float32(0.0)
+            # tanh(2 |d|) = (1 - e) / (1 + e) with e = exp(-4 |d|)
+            e = exp2(np.float32(-4 * LOG2_E) * abs(d))
+            strength = (np.float32(1.0) - e) / (np.float32(1.0) + e) * np.sqrt(d * d + a * a + b * b)
+            joined[y, x] = -strength if d < 0 else strength
 
 
 def _full(
-    image: Array, flow: Array, taps: npt.NDArray[np.float64], weights: npt.NDArray[np.float64], sampling: str
+    planes: Array, flow: Array, taps: npt.NDArray[np.float64], weights: npt.NDArray[np.float64], sampling: str
 ) -> Array:
     """Eq. 6."""
+    image = records(planes[0] if len(planes) == 1 else np.ascontiguousarray(np.moveaxis(planes, 0, -1)))
     result = np.empty_like(image)
-    _full_rows(image, flow, taps.astype(np.float32), weights.astype(np.float32), sampling == "nearest", result)
-    return result
+    factors = taps.astype(np.float32), weights.astype(np.float32)
+    over_rows(_full_rows, image.shape[0], image, flow, *factors, sampling == "nearest", result)
+    return np.ascontiguousarray(np.moveaxis(result, -1, 0))[: len(planes)]
 
 
-@parallel_kernel
-def _full_rows(image: Any, flow: Any, taps: Any, weights: Any, to_nearest: bool, result: Any) -> None:
+@kernel
+def _full_rows(
+    first: int, last: int, image: Any, flow: Any, taps: Any, weights: Any, to_nearest: bool, result: Any
+) -> None:
     height, width, channels = image.shape
     source, tangents, target = image.reshape(-1), flow.reshape(-1), result.reshape(-1)
-    for y in prange(height):
-        _full_row(source, channels, tangents, taps, weights, to_nearest, np.int64(y), width, height, target)
+    for y in range(first, last):
+        _full_row(source, channels, tangents, taps, weights, to_nearest, y, width, height, target)
 
 
 @kernel

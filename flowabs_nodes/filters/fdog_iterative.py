@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import numpy.typing as npt
-from numba import prange
 
 from flowabs_nodes.filters import arguments
 from flowabs_nodes.filters.arguments import Array
 from flowabs_nodes.filters.blur import blur
 from flowabs_nodes.filters.fdog import Detector
-from flowabs_nodes.filters.kernels import parallel_kernel
-from flowabs_nodes.filters.sampling import records
+from flowabs_nodes.filters.flow_blur import planes_of
 from flowabs_nodes.filters.threshold import threshold
 from flowabs_nodes.filters.xdog import xdog, xdog_rho
 
@@ -73,29 +69,16 @@ def fdog_iterative(
     iterations = arguments.whole("iterations", iterations, min=1)
     pre_blur = arguments.number("pre_blur", pre_blur, min=0, max=10_000)
 
-    def draw(picture: Array) -> tuple[Array, Array]:
-        response = detector.response(blur(picture, pre_blur) if pre_blur > 0 else picture, flow)
+    def draw(planes: Array) -> tuple[Array, Array]:
+        if pre_blur > 0:
+            planes = np.stack([blur(plane, pre_blur) for plane in planes])
+        response = detector.response(planes, flow)
         if is_xdog:
             return xdog(response, p, epsilon, phi)
         return threshold(response, tau, contrast, softness), response
 
-    original = records(code)
+    original = planes_of(code if color_weight > 0 or code.ndim == 2 else code[..., 0])
     lines, response = draw(original)
     for _ in range(iterations - 1):
-        lines, response = draw(_inked(original, lines))
+        lines, response = draw(original * lines)
     return lines, response
-
-
-def _inked(original: Array, lines: Array) -> Array:
-    picture = np.empty_like(original)
-    _multiply(original, lines, picture)
-    return picture
-
-
-@parallel_kernel
-def _multiply(original: Any, lines: Any, picture: Any) -> None:
-    height, width, channels = original.shape
-    for y in prange(height):
-        for x in range(width):
-            for c in range(channels):
-                picture[y, x, c] = original[y, x, c] * lines[y, x]

@@ -6,15 +6,37 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from numba import prange
 
 from flowabs_nodes.errors import ArgumentError
-from flowabs_nodes.filters import arguments, gaussian
+from flowabs_nodes.filters import any_length, arguments, gaussian
 from flowabs_nodes.filters.arguments import Array
-from flowabs_nodes.filters.blocks import COLUMNS, Block, first_pixel, scratch, u
-from flowabs_nodes.filters.kernels import kernel, parallel_kernel
-from flowabs_nodes.filters.sampling import SAMPLINGS, find, new_between, read, read_between, records
-from flowabs_nodes.filters.walk import new_walk, start, step
+from flowabs_nodes.filters.kernels import kernel
+from flowabs_nodes.filters.sampling import SAMPLINGS
+from flowabs_nodes.filters.threads import over_rows
+from flowabs_nodes.filters.tile_walk import BLOCKS, Walks, advance, beyond, new_walks, set_out, turn
+from flowabs_nodes.filters.tiles import (
+    COLUMNS,
+    ROWS,
+    between,
+    fill_lattice,
+    fill_records,
+    fill_tangents,
+    room,
+    tile,
+    widened,
+)
+from flowabs_nodes.filters.vector import (
+    LANES,
+    inlined,
+    load,
+    load_pairs,
+    pairs_at,
+    quads_at,
+    scratch,
+    store,
+)
+
+_SUMS = 4 * BLOCKS  # of each channel
 
 
 def flow_blur(image: npt.ArrayLike, flow: npt.ArrayLike, sigma: float = 2.0, sampling: str = "bilinear") -> Array:
@@ -48,57 +70,146 @@ def flow_blur(image: npt.ArrayLike, flow: npt.ArrayLike, sigma: float = 2.0, sam
         raise ArgumentError(f"image: expected up to 4 channels, found {image.shape[2]}", parameter="image")
     if sigma == 0:
         return image.copy()
-    blurred = along(records(image), flow, gaussian.half(sigma), sampling)
-    channels = 1 if image.ndim == 2 else image.shape[2]
-    return blurred[..., :channels].reshape(image.shape)
+    blurred = along(planes_of(image), flow, gaussian.half(sigma), sampling)
+    return np.ascontiguousarray(np.moveaxis(blurred, 0, -1)).reshape(image.shape)
 
 
-def along(image: Array, flow: Array, weights: npt.NDArray[np.float64], sampling: str) -> Array:
-    """The weighted sum of ``image`` (H, W, 1 or 4) over the curve c_x of each pixel (eq. 11).
+def planes_of(image: Array) -> Array:
+    """(H, W) or (H, W, C) as (C, H, W)."""
+    return np.ascontiguousarray(image[None] if image.ndim == 2 else np.moveaxis(image, -1, 0))
+
+
+def along(planes: Array, flow: Array, weights: npt.NDArray[np.float64], sampling: str) -> Array:
+    """The weighted sum of each of up to four planes (C, H, W) over the curve c_x of each pixel (eq. 11).
 
     ``weights`` are those of the steps 0, 1 .. to either side.
     """
-    result = np.empty_like(image)
-    _along(image, flow, weights.astype(np.float32), sampling == "nearest", result)
-    return result
-
-
-@parallel_kernel
-def _along(image: Any, flow: Any, weights: Any, to_nearest: bool, result: Any) -> None:
-    height, width, channels = image.shape
-    source, tangents, target = image.reshape(-1), flow.reshape(-1), result.reshape(-1)
-    for y in prange(height):
-        _along_row(source, channels, tangents, weights, to_nearest, np.int64(y), width, height, target)
+    _, height, width = planes.shape
+    if width < LANES:
+        wide = along(widened(planes, 2), widened(flow, 1), weights, sampling)
+        return np.ascontiguousarray(wide[..., :width])
+    blurred = np.empty_like(planes)
+    kernel = _along_nearest if sampling == "nearest" else _along_bilinear
+    tangents = flow.reshape(-1).view(np.complex64)
+    if not all(over_rows(kernel, height, planes, tangents, weights.astype(np.float32), blurred, least=ROWS)):
+        return any_length.along(planes, flow, weights, sampling)
+    return blurred
 
 
 @kernel
-def _along_row(
-    image: Any,
-    channels: int,
-    flow: Any,
-    weights: Any,
-    to_nearest: bool,
-    y: int,
-    width: int,
-    height: int,
-    result: Any,
+def _along_bilinear(first: int, last: int, planes: Any, flow: Any, weights: Any, blurred: Any) -> bool:
+    """Whether all tangents were short enough."""
+    channels, height, width = planes.shape
+    source, target, steps = planes.reshape(-1), blurred.reshape(-1), weights.size - 1
+    walks, total = new_walks(), scratch(np.float32, _SUMS)
+    size = room(steps, last - first)
+    tangents, lattices = np.empty(size, np.complex64), np.empty(channels * size, np.complex64)
+    for y0 in range(first, last, ROWS):
+        for x0 in range(0, width, COLUMNS):
+            y_end, x_end = min(y0 + ROWS, last), min(x0 + COLUMNS, width)
+            span = (x_end - x0 + LANES - 1) // LANES * LANES
+            around = tile(x0, y0, x_end, y_end, steps, width, height)
+            if not fill_tangents(tangents, flow, around):
+                return False
+            for c in range(channels):
+                fill_lattice(lattices[c * size :], source, c * height * width, around)
+            for y in range(y0, y_end):
+                _set_out(walks, flow, x0, span, y, width)
+                _start_sums(total, source, weights[0], 0, channels, x0, span, y, height, width)
+                for s in range(1, steps + 1):
+                    if s > 1:
+                        for k in range(0, 2 * span, LANES):
+                            tx, ty = pairs_at(tangents, walks.nearest, k)
+                            turn(walks, k, tx, ty)
+                    for k in range(0, 2 * span, LANES):
+                        advance(walks, k, s, around, 1)
+                    for c in range(channels):
+                        for k in range(0, span, LANES):
+                            a, b = _read(lattices[c * size :], walks, 2 * k)
+                            _add(total, c * COLUMNS + k, a + b, weights[s])
+                _finish_sums(total, target, 0, channels, x0, span, y, height, width)
+    return True
+
+
+@inlined
+def _read(lattice: Any, walks: Walks, k: int) -> tuple[Any, Any]:
+    """At z of the walks both ways."""
+    a = between(lattice, walks.corner, k, beyond(load(walks.dx, k)), beyond(load(walks.dy, k)))
+    k += LANES
+    return a, between(lattice, walks.corner, k, beyond(load(walks.dx, k)), beyond(load(walks.dy, k)))
+
+
+@kernel
+def _along_nearest(first: int, last: int, planes: Any, flow: Any, weights: Any, blurred: Any) -> bool:
+    """Two planes at a time: one load brings a tangent and two values. Whether all tangents were short enough."""
+    channels, height, width = planes.shape
+    source, target, steps = planes.reshape(-1), blurred.reshape(-1), weights.size - 1
+    walks, total = new_walks(), scratch(np.float32, _SUMS)
+    records = np.empty(2 * room(steps, last - first), np.complex64)
+    for y0 in range(first, last, ROWS):
+        for x0 in range(0, width, COLUMNS):
+            y_end, x_end = min(y0 + ROWS, last), min(x0 + COLUMNS, width)
+            span = (x_end - x0 + LANES - 1) // LANES * LANES
+            around = tile(x0, y0, x_end, y_end, steps, width, height)
+            for c in range(0, channels, 2):
+                c_end = min(c + 2, channels)
+                pair = c * height * width, (c_end - 1) * height * width
+                if not fill_records(records, flow, source, pair, around):
+                    return False
+                for y in range(y0, y_end):
+                    _set_out(walks, flow, x0, span, y, width)
+                    _start_sums(total, source, weights[0], c, c_end, x0, span, y, height, width)
+                    for s in range(1, steps + 1):
+                        for k in range(0, 2 * span, LANES):
+                            advance(walks, k, s, around, 2)
+                        for k in range(0, span, LANES):
+                            a, b = _step_to(records, walks, 2 * k)
+                            e, f = _step_to(records, walks, 2 * k + LANES)
+                            _add(total, k, a + e, weights[s])
+                            _add(total, COLUMNS + k, b + f, weights[s])
+                    _finish_sums(total, target, c, c_end, x0, span, y, height, width)
+    return True
+
+
+@inlined
+def _step_to(records: Any, walks: Walks, k: int) -> tuple[Any, Any]:
+    """Turn the walks to t(z); both values there."""
+    tx, ty, a, b = quads_at(records, walks.nearest, k)
+    turn(walks, k, tx, ty)
+    return a, b
+
+
+@inlined
+def _set_out(walks: Walks, flow: Any, x0: int, span: int, y: int, width: int) -> None:
+    """From ``span`` pixels of row y; the last sixteen overlap others where the picture ends."""
+    for k in range(0, span, LANES):
+        x = min(x0 + k, width - LANES)
+        tx, ty = load_pairs(flow, y * width + x)
+        set_out(walks, 2 * k, x, y, tx, ty)
+        set_out(walks, 2 * k + LANES, x, y, -tx, -ty)
+
+
+@inlined
+def _start_sums(
+    total: Any, source: Any, weight: Any, c: int, c_end: int, x0: int, span: int, y: int, height: int, width: int
 ) -> None:
-    walk, between, values, total = new_walk(), new_between(), scratch(np.float32, 4), scratch(np.float32, 4)
-    for x in range(0, width, COLUMNS):
-        block = Block(x, y, u(min(COLUMNS, width - x)), width, height)
-        first, size = u(channels) * first_pixel(block), u(channels) * block.size
-        for k in range(size):
-            total[k] = weights[u(0)] * image[first + k]
-        for way in range(2):
-            start(walk, flow, way, block)
-            for s in range(1, weights.size):
-                step(walk, flow, block)
-                if to_nearest:
-                    read(image, walk.pixel, values, block, channels)
-                else:
-                    find(walk.dx, walk.dy, between, block)
-                    read_between(image, between, values, block, channels)
-                for k in range(size):
-                    total[k] += weights[u(s)] * values[k]
-        for k in range(size):
-            result[first + k] = total[k]
+    """``total``: for each channel c .. c_end - 1 the weighted values of the centres."""
+    for each in range(c, c_end):
+        for k in range(0, span, LANES):
+            x = min(x0 + k, width - LANES)
+            store(total, (each - c) * COLUMNS + k, load(source, (each * height + y) * width + x) * weight)
+
+
+@inlined
+def _add(total: Any, k: int, values: Any, weight: Any) -> None:
+    store(total, k, load(total, k) + values * weight)
+
+
+@inlined
+def _finish_sums(
+    total: Any, target: Any, c: int, c_end: int, x0: int, span: int, y: int, height: int, width: int
+) -> None:
+    for each in range(c, c_end):
+        for k in range(0, span, LANES):
+            x = min(x0 + k, width - LANES)
+            store(target, (each * height + y) * width + x, load(total, (each - c) * COLUMNS + k))

@@ -1,4 +1,4 @@
-"""The gradient axis l_x (section 3.1): unit steps along (t.y, -t.x), across the flow."""
+"""Eq. 10: a picture summed along the gradient axis l_x (section 3.1), unit steps along (t.y, -t.x), across the flow."""
 
 from __future__ import annotations
 
@@ -6,56 +6,88 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from numba import prange
 
+from flowabs_nodes.filters import any_length
 from flowabs_nodes.filters.arguments import Array
-from flowabs_nodes.filters.blocks import COLUMNS, Block, first_pixel, inline, scratch, u
-from flowabs_nodes.filters.kernels import kernel, parallel_kernel
-from flowabs_nodes.filters.sampling import find, new_between, read_between
+from flowabs_nodes.filters.kernels import kernel
+from flowabs_nodes.filters.threads import over_rows
+from flowabs_nodes.filters.tiles import COLUMNS, ROWS, Tile, between, fill_lattice, place, room, short, tile, widened
+from flowabs_nodes.filters.vector import (
+    LANES,
+    floor,
+    inlined,
+    lane_numbers,
+    load,
+    load_pairs,
+    scratch,
+    store,
+    to_ints,
+)
+
+_STEPS = 8  # whose places are worked out together: the loads of one need not wait for those of another
 
 
-@inline
-def line(flow: Any, n: int, dx: Any, dy: Any, block: Block) -> None:
-    """Offsets of the points l_x(n); where the tangent is zero, that is the pixel itself."""
-    first = u(2) * first_pixel(block)
-    for i in range(block.size):
-        dx[i] = n * np.float64(flow[first + u(2) * i + u(1)])
-        dy[i] = -n * np.float64(flow[first + u(2) * i])
-
-
-def across(image: Array, flow: Array, taps: npt.NDArray[np.float64]) -> Array:
-    """Eq. 10: the weighted sum of ``image`` (H, W, 1 or 4) over the gradient axis of each pixel, read bilinearly.
+def across(planes: Array, flow: Array, taps: npt.NDArray[np.float64]) -> Array:
+    """The weighted sum of each of some planes (C, H, W) over the gradient axis of each pixel, read bilinearly.
 
     ``taps`` are the weights f of the steps 0, 1 .. to either side.
     """
-    result = np.empty_like(image)
-    _across(image, flow, taps.astype(np.float32), result)
+    _, height, width = planes.shape
+    if width < LANES:
+        return np.ascontiguousarray(across(widened(planes, 2), widened(flow, 1), taps)[..., :width])
+    result = np.empty_like(planes)
+    tangents = flow.reshape(-1).view(np.complex64)
+    if not all(over_rows(_across, height, planes, tangents, taps.astype(np.float32), result, least=ROWS)):
+        return any_length.across(planes, flow, taps)
     return result
 
 
-@parallel_kernel
-def _across(image: Any, flow: Any, taps: Any, result: Any) -> None:
-    height, width, channels = image.shape
-    source, tangents, target = image.reshape(-1), flow.reshape(-1), result.reshape(-1)
-    for y in prange(height):
-        _across_row(source, channels, tangents, taps, np.int64(y), width, height, target)
-
-
 @kernel
-def _across_row(image: Any, channels: int, flow: Any, taps: Any, y: int, width: int, height: int, result: Any) -> None:
-    dx, dy = scratch(np.float64, 1), scratch(np.float64, 1)
-    between, values, total = new_between(), scratch(np.float32, 4), scratch(np.float32, 4)
-    for x in range(0, width, COLUMNS):
-        block = Block(x, y, u(min(COLUMNS, width - x)), width, height)
-        first, size = u(channels) * first_pixel(block), u(channels) * block.size
-        for k in range(size):
-            total[k] = taps[u(0)] * image[first + k]
-        for side in range(2):
-            for n in range(1, taps.size):
-                line(flow, n if side == 0 else -n, dx, dy, block)
-                find(dx, dy, between, block)
-                read_between(image, between, values, block, channels)
-                for k in range(size):
-                    total[k] += taps[u(n)] * values[k]
-        for k in range(size):
-            result[first + k] = total[k]
+def _across(first: int, last: int, planes: Any, flow: Any, taps: Any, result: Any) -> bool:
+    """Whether all tangents were short enough."""
+    channels, height, width = planes.shape
+    source, target, steps = planes.reshape(-1), result.reshape(-1), taps.size - 1
+    places, u, v = scratch(np.int32, 16), scratch(np.float32, 8), scratch(np.float32, 8)
+    lattice = np.empty(room(steps, last - first), np.complex64)
+    for y0 in range(first, last, ROWS):
+        for x0 in range(0, width, COLUMNS):
+            y_end, x_end = min(y0 + ROWS, last), min(x0 + COLUMNS, width)
+            around = tile(x0, y0, x_end, y_end, steps, width, height)
+            for c in range(channels):
+                fill_lattice(lattice, source, c * height * width, around)
+                for y in range(y0, y_end):
+                    for each in range(x0, x_end, LANES):
+                        x = min(each, width - LANES)
+                        tx, ty = load_pairs(flow, y * width + x)
+                        if not short(tx, ty):
+                            return False
+                        at = (c * height + y) * width + x
+                        total = load(source, at) * taps[0]
+                        for n0 in range(1, steps + 1, _STEPS):
+                            n_end = min(n0 + _STEPS, steps + 1)
+                            for n in range(n0, n_end):
+                                _find(n, tx, ty, x, y, around, places, u, v, n - n0)
+                            for n in range(n0, n_end):
+                                total = total + _both_sides(lattice, places, u, v, n - n0) * taps[n]
+                        store(target, at, total)
+    return True
+
+
+@inlined
+def _find(n: int, tx: Any, ty: Any, x: int, y: int, tile: Tile, places: Any, u: Any, v: Any, k: int) -> None:
+    """The k-th places: l_x(n) and l_x(-n)."""
+    dx, dy = ty * np.float32(n), tx * np.float32(-n)
+    left, top = floor(dx), floor(dy)
+    store(u, LANES * k, dx - left)
+    store(v, LANES * k, dy - top)
+    columns, rows, pixel = to_ints(left), to_ints(top), lane_numbers() + x
+    store(places, 2 * LANES * k, place(pixel + columns, rows + y, tile))
+    store(places, 2 * LANES * k + LANES, place(pixel - 1 - columns, -1 - rows + y, tile))
+
+
+@inlined
+def _both_sides(lattice: Any, places: Any, u: Any, v: Any, k: int) -> Any:
+    """What is at the k-th places."""
+    u, v = load(u, LANES * k), load(v, LANES * k)
+    other = between(lattice, places, 2 * LANES * k + LANES, 1.0 - u, 1.0 - v)
+    return between(lattice, places, 2 * LANES * k, u, v) + other

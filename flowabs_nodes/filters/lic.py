@@ -10,7 +10,6 @@ import numpy.typing as npt
 from flowabs_nodes.filters import arguments
 from flowabs_nodes.filters.arguments import Array
 from flowabs_nodes.filters.flow_blur import along
-from flowabs_nodes.filters.sampling import records
 
 SPREAD = 0.2  # standard deviation of the streaks at contrast 1
 
@@ -45,7 +44,7 @@ def lic(flow: npt.ArrayLike, length: float = 20.0, seed: int = 1, contrast: floa
     contrast = arguments.number("contrast", contrast, min=0, max=1e6)
     noise = np.random.default_rng(seed).random(flow.shape[:2], np.float32)
     readings = 2 * steps + 1
-    streaks = along(records(noise), flow, np.full(steps + 1, 1 / readings), "bilinear")[..., 0]
+    streaks = along(noise[None], flow, np.full(steps + 1, 1 / readings), "bilinear")[0]
     deviation = math.sqrt(1 / 12 / readings)  # of the mean of that many numbers from 0..1
     picture: Array = np.clip(0.5 + np.float32(contrast * SPREAD / deviation) * (streaks - np.float32(0.5)), 0, 1)
     return picture

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import flow_blur
 from flowabs_nodes.filters.flow_blur import along
-from flowabs_nodes.filters.sampling import SAMPLINGS, records
+from flowabs_nodes.filters.sampling import SAMPLINGS
 from tests.filters.flows import THIN, cases, random_flow
 from tests.naive import walk as naive
 
@@ -54,12 +54,12 @@ def test_along_a_straight_flow_a_point_becomes_the_gaussian(sampling):
 
 def distances(flow, steps):
     """How far from pixel 20 of a row the nearest pixels are that are read after 1 .. ``steps`` steps, either way."""
-    squares = records(np.arange(41, dtype=np.float32)[None] ** 2)
+    squares = np.arange(41, dtype=np.float32)[None, None] ** 2
     found = []
     for s in range(1, steps + 1):
         one = np.zeros(s + 1)
         one[s] = 1
-        total = along(squares, flow, one, "nearest")[0, 20, 0]  # (20 + d)^2 + (20 - d)^2
+        total = along(squares, flow, one, "nearest")[0, 0, 20]  # (20 + d)^2 + (20 - d)^2
         found.append(round(np.sqrt(total / 2 - 400)))
     return found
 
