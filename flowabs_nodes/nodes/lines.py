@@ -185,6 +185,10 @@ def outputs(image: Image, lines: Array, response: Array) -> dict[str, Image]:
     return {"lines": image.with_pixels(lines, "matte"), "response": image.with_pixels(response, "mono")}
 
 
+def smoothed(lines: Array, flow: Image, sigma: float, sampling: str) -> Array:
+    return lines if sigma == 0 else filters.flow_blur(lines, flow.pixels, sigma=sigma, sampling=sampling)
+
+
 def run_dog(
     context: Context, image: Image, *, sigma_c: float, ground: float, space: str, **form: Any
 ) -> dict[str, Image]:
@@ -226,7 +230,7 @@ def run_fdog(
         return filters.fdog(code, flow.pixels, sigma_m, sigma_c, rho, color_weight, kernel, sampling)
 
     lines, response = draw(respond, **form)
-    return outputs(image, filters.flow_blur(lines, flow.pixels, sigma=smooth, sampling=sampling), response)
+    return outputs(image, smoothed(lines, flow, smooth, sampling), response)
 
 
 FDOG = Node(
@@ -258,8 +262,7 @@ def run_fdog_iterative(
     color_weight = 0.0 if fdog_iterative["form"] == "xdog" else color_weight
     code = code_values(image, space, ground, color_weight)
     lines, response = filters.fdog_iterative(code, flow.pixels, color_weight=color_weight, **fdog_iterative)
-    lines = filters.flow_blur(lines, flow.pixels, sigma=smooth, sampling=fdog_iterative["sampling"])
-    return outputs(image, lines, response)
+    return outputs(image, smoothed(lines, flow, smooth, fdog_iterative["sampling"]), response)
 
 
 FDOG_ITERATIVE = Node(
