@@ -57,7 +57,7 @@ def make_plan(
     """The steps that lead to ``results`` and run the nodes ``sinks``, on one frame.
 
     What is ``given`` is not computed, nor anything that only it would need. Each branch is finished before the next
-    one begins, so that few results are held at a time.
+    one begins, the one with the smallest result first, so that little is held at a time.
     """
     results = tuple(results)
     needs: dict[Unit, dict[str, Result]] = {}  # in the order of work
@@ -113,7 +113,14 @@ def _add_upstream_first(
             needs[unit] = inputs
             continue
         stack.append((unit, True))
-        stack.extend((each.unit, False) for each in reversed(list(inputs.values())) if each not in given)
+        small_first = sorted(inputs.values(), key=lambda each: _floats(graph, each))
+        stack.extend((each.unit, False) for each in reversed(small_first) if each not in given)
+
+
+def _floats(graph: Graph, result: Result) -> int:
+    """About how many floats a pixel it takes to hold a result."""
+    port = graph.nodes[result.node].declaration.all_outputs[result.output]
+    return {"mono": 1, "matte": 1, "flow": 2}.get(port.types, 4)
 
 
 # ---------------------------------------------------------------------- names that a caller writes

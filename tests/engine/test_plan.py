@@ -48,6 +48,16 @@ def test_a_branch_is_finished_before_the_next_begins():
     assert names(make_plan(wide, 1, results=[Result("end", "image", 1)])) == ["a", "b1", "b2", "c1", "c2", "end"]
 
 
+def test_the_branch_whose_result_is_held_in_less_memory_comes_first():
+    drawing = graph(
+        node("plate", ADD),
+        node("smooth", ADD, {"image": "plate"}),
+        node("tones", SPLIT, {"image": "plate"}),
+        node("comp", ADD, {"image": "smooth", "mask": "tones.matte"}),
+    )
+    assert names(make_plan(drawing, 1, results=[Result("comp", "image", 1)])) == ["plate", "tones", "smooth", "comp"]
+
+
 def test_what_is_given_is_not_computed_nor_what_only_it_needs():
     given = {Result("both", "image", 1)}
     assert names(make_plan(DIAMOND, 1, results=[Result("tones", "mono", 1)], given=given)) == ["tones"]
