@@ -13,11 +13,14 @@ from numba import njit
 
 from flowabs_nodes.filters.kernel_cache import PACKAGE, KernelCache
 
-_compiled = njit(nogil=True, error_model="numpy", fastmath={"contract"})
+_compiled = njit(nogil=True, no_cfunc_wrapper=True, error_model="numpy", fastmath={"contract"})
 _parallel = njit(parallel=True, nogil=True, error_model="numpy", fastmath={"contract"})
 
-#: Small functions that kernels are made of: always inlined by LLVM, compiled once.
-inlined = njit(forceinline=True, error_model="numpy", fastmath={"contract"})
+#: Small functions that kernels are made of: always inlined by LLVM. Python cannot call them: making that possible would
+#: take longer than all the rest.
+inlined = njit(
+    forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, error_model="numpy", fastmath={"contract"}
+)
 
 
 def kernel(function: Callable[..., Any]) -> Any:
