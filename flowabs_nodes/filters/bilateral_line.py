@@ -10,10 +10,12 @@ import numpy.typing as npt
 from flowabs_nodes.filters.arguments import Array
 from flowabs_nodes.filters.kernels import kernel
 from flowabs_nodes.filters.points import Frame, padded
-from flowabs_nodes.filters.readings import MOST, around, expect, find, new_points, read
-from flowabs_nodes.filters.similarity import Pass, add, closeness, color, falloff, floats_of, mean, only
+from flowabs_nodes.filters.readings import AHEAD, expect, find, new_points, read, row_below
+from flowabs_nodes.filters.similarity import Pass, add, closeness, color, falloff, floats_of, keep, kept, mean, only
 from flowabs_nodes.filters.threads import over_rows
-from flowabs_nodes.filters.vector import LANES, load, load_pairs, to_doubles
+from flowabs_nodes.filters.vector import LANES, load, load_pairs, scratch, soon_read, to_doubles
+
+_BLOCKS, _STEPS = 4, 4  # of sixteen pixels, and to each side, whose points are found before the first is read
 
 
 def pass_on_lines(
@@ -58,28 +60,44 @@ def _along_line(
     With curvatures ``kappa``, not None, over x + s u + (kappa s^2 / 2) (-u.y, u.x).
     """
     points, size, steps = new_points(), floats_of(alpha), closeness.size - 1
-    pictures = around(picture, frame, size)
+    so_far, below = scratch(np.float32, 16), row_below(picture, frame, size)  # the sums of four times sixteen pixels
     for y in range(first, last):
-        for x0 in range(0, frame.stride, LANES):
-            x = min(x0, frame.stride - LANES)
-            pixel = y * frame.stride + x
-            expect(picture, smoothed, x, y, steps + 1, frame, size)
-            tx, ty = load_pairs(flow, pixel)
-            ux, uy = to_doubles(tx), to_doubles(ty)
-            if across:
-                ux, uy = uy, -ux
-            centre = color(picture, pixel, alpha)
-            sums = only(centre)
-            for first_s in range(1, steps + 1, MOST // 2):
-                readings = 2 * min(MOST // 2, steps + 1 - first_s)
-                for k in range(readings):
-                    s = float((first_s + k // 2) * (1 - 2 * (k % 2)))  # 1, -1, 2, -2 ..
-                    dx, dy = s * ux, s * uy
-                    if kappa is not None:
-                        bend = load(kappa, pixel) * (s * s / 2)
-                        dx, dy = dx - bend * uy, dy + bend * ux
-                    find(points, LANES * k, dx, dy, x, y, frame, size, bilinear)
-                for k in range(readings):
-                    there = read(pictures, points, LANES * k, bilinear, alpha)
-                    sums = add(sums, centre, there, closeness[first_s + k // 2], falloff, alpha)
-            mean(sums, centre, smoothed, pixel, alpha)
+        for x0 in range(0, frame.stride, _BLOCKS * LANES):
+            for block in range(_BLOCKS):
+                x = min(x0 + block * LANES, frame.stride - LANES)
+                expect(picture, smoothed, x, y, steps + 1, frame, size)
+            for first_s in range(1, steps + 1, _STEPS):
+                last_s = min(first_s + _STEPS, steps + 1)
+                for block in range(_BLOCKS):
+                    x = min(x0 + block * LANES, frame.stride - LANES)
+                    pixel = y * frame.stride + x
+                    tx, ty = load_pairs(flow, pixel)
+                    soon_read(flow, pixel + AHEAD)
+                    soon_read(flow, pixel + AHEAD + LANES // 2)
+                    ux, uy = to_doubles(tx), to_doubles(ty)
+                    if across:
+                        ux, uy = uy, -ux
+                    for s in range(first_s, last_s):
+                        at = 2 * LANES * (block * _STEPS + s - first_s)
+                        dx, dy = float(s) * ux, float(s) * uy
+                        if kappa is None:
+                            find(points, at, dx, dy, x, y, frame, size, bilinear)
+                            find(points, at + LANES, -dx, -dy, x, y, frame, size, bilinear)
+                        else:
+                            bend = load(kappa, pixel) * (float(s) * float(s) / 2)
+                            bx, by = -bend * uy, bend * ux
+                            find(points, at, bx + dx, by + dy, x, y, frame, size, bilinear)
+                            find(points, at + LANES, bx - dx, by - dy, x, y, frame, size, bilinear)
+                for block in range(_BLOCKS):
+                    pixel = y * frame.stride + min(x0 + block * LANES, frame.stride - LANES)
+                    centre = color(picture, pixel, alpha)
+                    sums = only(centre) if first_s == 1 else kept(so_far, block)
+                    for s in range(first_s, last_s):
+                        at = 2 * LANES * (block * _STEPS + s - first_s)
+                        for side in range(2):
+                            there = read(picture, below, points, at + side * LANES, bilinear, alpha)
+                            sums = add(sums, centre, there, closeness[s], falloff, alpha)
+                    if last_s <= steps:
+                        keep(so_far, block, sums)
+                    else:
+                        mean(sums, centre, smoothed, pixel, alpha)

@@ -13,24 +13,25 @@ from flowabs_nodes.filters.bilateral_line import pass_on_lines
 from flowabs_nodes.filters.kernels import kernel
 from flowabs_nodes.filters.moves import follow, written_walks
 from flowabs_nodes.filters.points import Frame, frame_of, padded
-from flowabs_nodes.filters.readings import around, expect, find, new_points, read
+from flowabs_nodes.filters.readings import expect, find, new_points, read, row_below
 from flowabs_nodes.filters.sampling import SAMPLINGS
 from flowabs_nodes.filters.similarity import (
     Pass,
-    Sums,
     add,
     closeness,
     color,
     falloff,
     floats_of,
     in_turn,
+    keep,
+    kept,
     mean,
     only,
     partial,
 )
 from flowabs_nodes.filters.threads import over_rows
-from flowabs_nodes.filters.vector import LANES, inlined, load, scratch, store
-from flowabs_nodes.filters.vector_walk import ALL, advance, column, new_walks, set_out, turn
+from flowabs_nodes.filters.vector import LANES, load, scratch
+from flowabs_nodes.filters.vector_walk import ALL, advance, column, expect_tangents, new_walks, set_out, turn
 
 
 def fbl(
@@ -85,19 +86,17 @@ def fbl(
     covered, frame = partial(alpha, codes), frame_of(codes)
     passes = []
     if sigma_e > 0:
-        passes.append(_pass_along(flow, sigma_e, r_e, bilinear, iterations, covered, frame))
+        passes.append(_pass_along(flow, sigma_e, r_e, bilinear, covered, frame))
     if sigma_g > 0:
         passes.append(pass_on_lines(flow, True, None, sigma_g, r_g, bilinear, covered, frame))
     return in_turn(codes, covered, frame, passes, iterations)
 
 
-def _pass_along(
-    flow: Array, sigma: float, r: float, bilinear: bool, iterations: int, alpha: Array | None, frame: Frame
-) -> Pass:
-    """C_e, eq. 12: along walks that are written down if that is possible and pays."""
+def _pass_along(flow: Array, sigma: float, r: float, bilinear: bool, alpha: Array | None, frame: Frame) -> Pass:
+    """C_e, eq. 12: along walks that are written down, where they can be."""
     tangents, near, like = padded(flow, frame).view(np.complex64), closeness(sigma), falloff(r)
     by_alpha = None if alpha is None else True
-    moves = None if bilinear or iterations == 1 else written_walks(tangents, near.size - 1, frame)
+    moves = None if bilinear else written_walks(tangents, near.size - 1, frame)
 
     def smooth(picture: Array, smoothed: Array) -> None:
         if moves is not None:
@@ -122,7 +121,7 @@ def _along_moves(
     smoothed: Any,
 ) -> None:
     points, size, steps = new_points(), floats_of(alpha), closeness.size - 1
-    pictures = around(picture, frame, size)
+    below = row_below(picture, frame, size)
     for y in range(first, last):
         for x0 in range(0, frame.stride, LANES):
             x = min(x0, frame.stride - LANES)
@@ -133,7 +132,7 @@ def _along_moves(
             sums = only(centre)
             for s in range(1, steps + 1):
                 for way in range(2):
-                    there = read(pictures, points, (2 * s - 2 + way) * LANES, None, alpha)
+                    there = read(picture, below, points, (2 * s - 2 + way) * LANES, None, alpha)
                     sums = add(sums, centre, there, closeness[s], falloff, alpha)
             mean(sums, centre, smoothed, pixel, alpha)
 
@@ -153,12 +152,15 @@ def _along_walks(
 ) -> None:
     walks, points, size, steps = new_walks(), new_points(), floats_of(alpha), closeness.size - 1
     so_far = scratch(np.float32, 16)  # the sums of four times sixteen pixels
-    pictures = around(picture, frame, size)
+    below = row_below(picture, frame, size)
     for y in range(first, last):
         for x0 in range(0, frame.stride, ALL // 2):
             set_out(walks, flow, x0, y, frame)
             for at in range(0, ALL, 2 * LANES):
-                _keep(so_far, at, only(color(picture, y * frame.stride + column(x0, at, frame), alpha)))
+                x = column(x0, at, frame)
+                expect(picture, smoothed, x, y, steps + 1, frame, size)
+                expect_tangents(flow, x, y, steps + 1, frame)
+                keep(so_far, at // (2 * LANES), only(color(picture, y * frame.stride + x, alpha)))
             for s in range(1, steps + 1):
                 for at in range(0, ALL, LANES):
                     x = column(x0, at, frame)
@@ -166,28 +168,13 @@ def _along_walks(
                     find(points, at, load(walks.dx, at), load(walks.dy, at), x, y, frame, size, bilinear)
                 for at in range(0, ALL, 2 * LANES):
                     centre = color(picture, y * frame.stride + column(x0, at, frame), alpha)
-                    sums = _kept(so_far, at)
+                    sums = kept(so_far, at // (2 * LANES))
                     for way in range(2):
-                        there = read(pictures, points, at + way * LANES, bilinear, alpha)
+                        there = read(picture, below, points, at + way * LANES, bilinear, alpha)
                         sums = add(sums, centre, there, closeness[s], falloff, alpha)
-                    _keep(so_far, at, sums)
+                    keep(so_far, at // (2 * LANES), sums)
                 if s < steps:
                     turn(walks, flow)
             for at in range(0, ALL, 2 * LANES):
                 pixel = y * frame.stride + column(x0, at, frame)
-                mean(_kept(so_far, at), color(picture, pixel, alpha), smoothed, pixel, alpha)
-
-
-@inlined
-def _keep(so_far: Any, at: int, sums: Sums) -> None:
-    at = 2 * at
-    store(so_far, at, sums.l)
-    store(so_far, at + LANES, sums.a)
-    store(so_far, at + 2 * LANES, sums.b)
-    store(so_far, at + 3 * LANES, sums.weight)
-
-
-@inlined
-def _kept(so_far: Any, at: int) -> Sums:
-    at = 2 * at
-    return Sums(load(so_far, at), load(so_far, at + LANES), load(so_far, at + 2 * LANES), load(so_far, at + 3 * LANES))
+                mean(kept(so_far, at // (2 * LANES)), color(picture, pixel, alpha), smoothed, pixel, alpha)

@@ -29,7 +29,7 @@ from flowabs_nodes.filters.vector import (
     soon_written,
     store,
 )
-from flowabs_nodes.filters.vector_walk import ALL, TOGETHER, advance, column, new_walks, set_out, turn
+from flowabs_nodes.filters.vector_walk import ALL, TOGETHER, advance, column, expect_tangents, new_walks, set_out, turn
 
 Moves = npt.NDArray[np.int32]  # (H, words, 2 ways, row in memory), in one dimension
 
@@ -59,12 +59,12 @@ def _write(first: int, last: int, flow: Any, steps: int, frame: Frame, moves: An
     row, wrong = (steps + STEPS - 1) // STEPS * 2 * frame.stride, same_ints(0)
     for y in range(first, last):
         for x0 in range(0, frame.stride, ALL // 2):
-            for k in range(0, ALL, LANES):
-                soon_read(flow, min(y + steps + 1, frame.height - 1) * frame.stride + x0 + k // 2)
-                soon_written(moves, y * row + k // LANES % 2 * frame.stride + x0 + AHEAD + k // 2)
             set_out(walks, flow, x0, y, frame)
             for at in range(0, ALL, LANES):
-                store(place, at, _place(lane_numbers() + column(x0, at, frame), same_ints(y)))
+                x = column(x0, at, frame)
+                expect_tangents(flow, x, y, steps + 1, frame)
+                soon_written(moves, y * row + at // LANES % 2 * frame.stride + x + AHEAD)
+                store(place, at, _place(lane_numbers() + x, same_ints(y)))
                 store(word, at, same_ints(_STAY))
             for s in range(steps):
                 for at in range(0, ALL, LANES):
@@ -118,6 +118,8 @@ def follow(moves: Any, steps: int, x: int, y: int, frame: Frame, size: int, plac
         if s % STEPS == 0:
             at = (y * words + s // STEPS) * 2 * frame.stride + x
             one, other = load(moves, at), load(moves, at + frame.stride)
+            soon_read(moves, at + AHEAD)
+            soon_read(moves, at + frame.stride + AHEAD)
         along, against = along + _first_change(changes, one), against + _first_change(changes, other)
         one, other = one >> 4, other >> 4
         store(places, 2 * LANES * s, along)

@@ -73,8 +73,9 @@ def between(dx: Any, dy: Any, x: int, y: int, frame: Frame) -> Between:
 
 @inlined
 def _apart(d: Any, start: Any, last: int) -> Any:
-    """The whole part of start + d, at least 0 and at most ``last``, and the rest; exactly between two, 0 or 1."""
+    """The whole part of start + d, at least 0 and at most ``last``, and the rest; of whole numbers it may be 1."""
     below = rint(d - 0.5)
     rest, whole = from_doubles(d - below), nearest_ints(below) + start
-    rest = select(whole < 0, 0.0, select(whole > last, 1.0, rest))
+    beyond = 1.0 if last >= 0 else 0.0  # in a picture of one column there is nothing to the right
+    rest = select(whole < 0, 0.0, select(whole > last, beyond, rest))
     return maximum(minimum(whole, last), 0), rest

@@ -17,6 +17,7 @@ from flowabs_nodes.filters.vector import (
     LANES,
     inlined,
     load,
+    octets_at,
     quads_at,
     scratch,
     select,
@@ -27,7 +28,7 @@ from flowabs_nodes.filters.vector import (
 
 MOST = 32  # readings that are written down, of sixteen pixels each
 
-_AHEAD = 128  # pixels: what is fetched while these are worked on
+AHEAD = 128  # pixels: what is fetched while these are worked on
 
 
 class Points(NamedTuple):
@@ -38,25 +39,15 @@ class Points(NamedTuple):
     fy: Any
 
 
-class Around(NamedTuple):
-    """A picture four times: from its beginning, a pixel further to the right, a row further below, and both."""
-
-    here: Any
-    right: Any
-    below: Any
-    beyond: Any
-
-
 @inline
 def new_points() -> Points:
     return Points(scratch(np.int32, 32), scratch(np.float32, 32), scratch(np.float32, 32))
 
 
 @inlined
-def around(picture: Any, frame: Frame, size: int) -> Around:
-    right = size if frame.width > 1 else 0
-    below = size * frame.stride if frame.height > 1 else 0
-    return Around(picture, picture[right:], picture[below:], picture[right + below :])
+def row_below(picture: Any, frame: Frame, size: int) -> Any:
+    """``picture`` from its second row on, if it has one: what is below where one reads."""
+    return picture[size * frame.stride if frame.height > 1 else 0 :]
 
 
 @inlined
@@ -64,7 +55,7 @@ def expect(picture: Any, smoothed: Any, x: int, y: int, below: int, frame: Frame
     """Have fetched what is needed before long; ``below``: the first row that is not yet."""
     for k in range(0, LANES * size, LANES):
         soon_read(picture, size * (min(y + below, frame.height - 1) * frame.stride + x) + k)
-        soon_written(smoothed, size * (y * frame.stride + x + _AHEAD) + k)
+        soon_written(smoothed, size * (y * frame.stride + x + AHEAD) + k)
 
 
 @inlined
@@ -81,33 +72,30 @@ def find(points: Points, at: int, dx: Any, dy: Any, x: int, y: int, frame: Frame
 
 
 @inlined
-def read(pictures: Around, points: Points, at: int, bilinear: Any, alpha: Any) -> Color:
-    """Bilinearly, colours count by how much is there of each."""
+def read(picture: Any, below: Any, points: Points, at: int, bilinear: Any, alpha: Any) -> Color:
+    """Bilinearly, colours count by how much is there of each. ``below`` is :func:`row_below`."""
     if bilinear is None:
-        l, a, b, covered = quads_at(pictures.here, points.place, at)  # noqa: E741
+        l, a, b, covered = quads_at(picture, points.place, at)  # noqa: E741
         return Color(l, a, b, covered)
-    one, two = _weighted(pictures.here, points, at, alpha), _weighted(pictures.right, points, at, alpha)
-    three, four = _weighted(pictures.below, points, at, alpha), _weighted(pictures.beyond, points, at, alpha)
     u, v = load(points.fx, at), load(points.fy, at)
-    l = _blend(one.l, two.l, three.l, four.l, u, v)  # noqa: E741
-    a = _blend(one.a, two.a, three.a, four.a, u, v)
-    b = _blend(one.b, two.b, three.b, four.b, u, v)
+    upper, lower = _read_across(picture, points, at, u, alpha), _read_across(below, points, at, u, alpha)
+    l, a, b = _mix(upper.l, lower.l, v), _mix(upper.a, lower.a, v), _mix(upper.b, lower.b, v)  # noqa: E741
     if alpha is None:
-        return Color(l, a, b, one.alpha)
-    covered = _blend(one.alpha, two.alpha, three.alpha, four.alpha, u, v)
+        return Color(l, a, b, upper.alpha)
+    covered = _mix(upper.alpha, lower.alpha, v)
     over = select(covered > TINY, 1.0 / covered, 0.0)
     return Color(over * l, over * a, over * b, covered)
 
 
 @inlined
-def _weighted(picture: Any, points: Points, at: int, alpha: Any) -> Color:
-    l, a, b, covered = quads_at(picture, points.place, at)  # noqa: E741
+def _read_across(picture: Any, points: Points, at: int, u: Any, alpha: Any) -> Color:
+    """Between a pixel and the one to the right; colours times alpha."""
+    l, a, b, c, d, e, f, g = octets_at(picture, points.place, at)  # noqa: E741
     if alpha is None:
-        return Color(l, a, b, covered)
-    return Color(covered * l, covered * a, covered * b, covered)
+        return Color(_mix(l, c, u), _mix(a, d, u), _mix(b, e, u), f)
+    return Color(_mix(c * l, g * d, u), _mix(c * a, g * e, u), _mix(c * b, g * f, u), _mix(c, g, u))
 
 
 @inlined
-def _blend(one: Any, two: Any, three: Any, four: Any, u: Any, v: Any) -> Any:
-    upper, lower = one + u * (two - one), three + u * (four - three)
-    return upper + v * (lower - upper)
+def _mix(one: Any, other: Any, share: Any) -> Any:
+    return one + share * (other - one)

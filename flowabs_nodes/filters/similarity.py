@@ -5,7 +5,7 @@ with the distance s along the line and h, eq. 13, with the difference of colour 
 
 Pictures are records of three floats, L, a, b, or where there is an alpha of four, L, a, b, alpha. Kernels have an
 argument ``alpha``, None or not, by which numba leaves out what does not happen. Behind the last record there is room
-for one float more: records are read four floats at a time.
+for two floats more: records are read four floats at a time, bilinearly eight.
 """
 
 from __future__ import annotations
@@ -20,12 +20,15 @@ from flowabs_nodes.filters import arguments, gaussian
 from flowabs_nodes.filters.arguments import Array
 from flowabs_nodes.filters.points import Frame, padded
 from flowabs_nodes.filters.vector import (
+    LANES,
     exp2,
     inlined,
+    load,
     load_quads,
     load_triples,
     same_floats,
     select,
+    store,
     store_quads,
     store_triples,
 )
@@ -58,7 +61,7 @@ def in_turn(codes: Array, alpha: Array | None, frame: Frame, passes: list[Pass],
         return codes.copy()
     size = 3 if alpha is None else 4
     numbers = frame.height * frame.stride * size
-    picture, smoothed = (np.empty(numbers + 1, np.float32) for _ in range(2))
+    picture, smoothed = (np.empty(numbers + 2, np.float32) for _ in range(2))
     picture[:numbers] = padded(codes if alpha is None else np.dstack([codes, alpha]), frame)
     picture[numbers:] = smoothed[numbers:] = 0
     for _ in range(iterations):
@@ -132,6 +135,22 @@ def add(sums: Sums, centre: Color, reading: Color, closeness: float, falloff: fl
     if alpha is not None:
         weight = weight * reading.alpha
     return Sums(sums.l + weight * l, sums.a + weight * a, sums.b + weight * b, sums.weight + weight)
+
+
+@inlined
+def keep(memory: Any, k: int, sums: Sums) -> None:
+    """In scratch memory, as the k-th of others; :func:`kept` gives them back."""
+    at = 4 * LANES * k
+    store(memory, at, sums.l)
+    store(memory, at + LANES, sums.a)
+    store(memory, at + 2 * LANES, sums.b)
+    store(memory, at + 3 * LANES, sums.weight)
+
+
+@inlined
+def kept(memory: Any, k: int) -> Sums:
+    at = 4 * LANES * k
+    return Sums(load(memory, at), load(memory, at + LANES), load(memory, at + 2 * LANES), load(memory, at + 3 * LANES))
 
 
 @inlined

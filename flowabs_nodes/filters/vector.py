@@ -441,6 +441,11 @@ def _quads(context: Any, builder: Any, sig: Any, values: Any) -> Any:
         _join(builder, _join(builder, read[k], read[k + 4]), _join(builder, read[k + 8], read[k + 12]))
         for k in range(4)
     ]
+    return context.make_tuple(builder, sig.return_type, _transposed(builder, rows))
+
+
+def _transposed(builder: Any, rows: Sequence[Any]) -> list[Any]:
+    """Four vectors as 4 x 4 matrices, one in each quarter."""
 
     def mix(x: Any, y: Any, pattern: Sequence[int]) -> Any:
         return _shuffle(builder, x, y, [k % 4 + q + (k // 4) * LANES for q in range(0, LANES, 4) for k in pattern])
@@ -449,8 +454,7 @@ def _quads(context: Any, builder: Any, sig: Any, values: Any) -> Any:
     p, q, r, s = rows
     a, b, c, d = mix(p, q, low), mix(r, s, low), mix(p, q, high), mix(r, s, high)
     first, second = (0, 1, 4, 5), (2, 3, 6, 7)
-    apart = [mix(a, b, first), mix(a, b, second), mix(c, d, first), mix(c, d, second)]
-    return context.make_tuple(builder, sig.return_type, apart)
+    return [mix(a, b, first), mix(a, b, second), mix(c, d, first), mix(c, d, second)]
 
 
 @intrinsic
@@ -463,6 +467,27 @@ def quads(typingctx: Any, array: Any, indices: Any) -> Any:
 def quads_at(typingctx: Any, array: Any, places: Any, k: Any) -> Any:
     """:func:`quads` for the i in places[k .. k + 15]."""
     return types.UniTuple(floats, 4)(array, places, k), _quads
+
+
+@intrinsic
+def octets_at(typingctx: Any, array: Any, places: Any, k: Any) -> Any:
+    """(array[i], array[i + 1] .. array[i + 7]) for each i in places[k .. k + 15], as eight vectors."""
+
+    def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
+        read = _records(context, builder, sig, values, ir.VectorType(_F32, 8))
+        # A quarter of a vector is half a record: k, k, k + 4, k + 4. Four vectors are transposed in each quarter.
+        rows = [_join(builder, read[k], read[k + 4]) for k in (0, 1, 2, 3, 8, 9, 10, 11)]
+        low, high = _transposed(builder, rows[:4]), _transposed(builder, rows[4:])
+        halves = [
+            [
+                _shuffle(builder, a, b, [q + k for q in range(4 * half, 2 * LANES, 8) for k in range(4)])
+                for a, b in zip(low, high, strict=True)
+            ]
+            for half in range(2)
+        ]
+        return context.make_tuple(builder, sig.return_type, halves[0] + halves[1])
+
+    return types.UniTuple(floats, 8)(array, places, k), generate
 
 
 def _interleaved(size: int) -> tuple[Any, Any]:

@@ -28,6 +28,7 @@ from flowabs_nodes.filters.vector import (
     same_ints,
     scratch,
     select,
+    soon_read,
     store,
     to_doubles,
     to_ints,
@@ -135,6 +136,14 @@ def set_out(walks: Walks, flow: Any, x0: int, y: int, frame: Frame) -> None:
         tx, ty = load_pairs(flow, y * frame.stride + column(x0, at, frame))
         _set_out(walks, at, tx, ty)
         _set_out(walks, at + LANES, -tx, -ty)
+
+
+@inlined
+def expect_tangents(flow: Any, x: int, y: int, below: int, frame: Frame) -> None:
+    """Have those fetched that walks will come to before long; ``below``: the first row that is not yet."""
+    pixel = min(y + below, frame.height - 1) * frame.stride + x
+    soon_read(flow, pixel)
+    soon_read(flow, pixel + LANES // 2)
 
 
 @inlined
