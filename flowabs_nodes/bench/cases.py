@@ -121,6 +121,14 @@ def _fill(plate: Plate) -> object:
     return flow_fill(*plate.gradient, 0.0)
 
 
+def _finish(plate: Plate) -> object:
+    from flowabs_nodes.color.codes import decoded
+    from flowabs_nodes.color.undecoded import Undecoded
+
+    flat = Undecoded(plate.codes, "lab", levels=8, lines=plate.lines, ink=(0.0, 0.0, 0.0, 1.0))
+    return decoded(flat, color.space("lin_rec709"))
+
+
 STAGES: dict[str, Stage] = {
     "encode-lab": _plain(lambda p: color.encode(p.rgb, "lab"), in_p=1),
     "encode-acescct": _plain(lambda p: color.encode(p.rgb, "acescct")),
@@ -135,9 +143,10 @@ STAGES: dict[str, Stage] = {
     "flow-blur": _plain(lambda p: filters.flow_blur(p.lines, p.flow)),
     "fbl-nearest": _plain(lambda p: filters.fbl(p.codes, p.flow), in_p=5, per=5),
     "fbl-bilinear": _plain(lambda p: filters.fbl(p.codes, p.flow, iterations=2, sampling="bilinear"), per=2),
-    "quantize": _plain(lambda p: filters.quantize(p.lstar), in_p=1),
-    "composite": _plain(lambda p: filters.composite(p.rgb, p.lines), in_p=1),
-    "decode-lab": _plain(lambda p: color.decode(p.codes, "lab"), in_p=1),
+    "finish": _plain(_finish, in_p=1),  # quantize, composite and decode-lab in one go
+    "quantize": _plain(lambda p: filters.quantize(p.lstar)),
+    "composite": _plain(lambda p: filters.composite(p.rgb, p.lines)),
+    "decode-lab": _plain(lambda p: color.decode(p.codes, "lab")),
     "decode-acescct": _plain(lambda p: color.decode(p.acescct, "acescct")),
     "bilateral-full": _plain(lambda p: filters.bilateral(p.codes, iterations=1)),
     "bilateral-xy": _plain(lambda p: filters.bilateral(p.codes, iterations=1, kernel="xy")),
