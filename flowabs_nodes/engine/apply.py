@@ -187,5 +187,7 @@ def _mixed(image: Image, outputs: dict[str, Image], first: str, mask: Image | No
             )
         else:
             # The weights' sum is exactly 1 at both ends, so that k = 0 and k = 1 change no bit.
-            mixed[name] = result.with_pixels(image.pixels * (1 - k) + result.pixels * k)
+            pixels = result.pixels * k
+            pixels += image.pixels * (1 - k)
+            mixed[name] = result.with_pixels(pixels)
     return mixed
