@@ -13,6 +13,7 @@ from flowabs_nodes.filters.arguments import Array
 from flowabs_nodes.filters.kernels import kernel
 from flowabs_nodes.filters.pointwise import doubt, doubtful, first_of, new_run, over_pixels, picture_of, run_of
 from flowabs_nodes.filters.vector import load, maximum, minimum, same_floats, select, store
+from flowabs_nodes.filters.vouched import vouch
 
 
 def threshold(response: npt.ArrayLike, tau: float = 0.5, contrast: float | None = None, softness: float = 0.0) -> Array:
@@ -50,7 +51,7 @@ def threshold(response: npt.ArrayLike, tau: float = 0.5, contrast: float | None 
     run, lines = run_of(response), new_run(response.size)
     if any(over_pixels(_threshold, run.size, run, *_ramp(-contrast, softness), lines)):
         arguments.refuse("response", response)
-    return picture_of(lines, *response.shape)
+    return vouch(picture_of(lines, *response.shape))
 
 
 def _ramp(paper: float, softness: float) -> tuple[np.float32, np.float32, np.float32]:
