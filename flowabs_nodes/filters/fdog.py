@@ -10,14 +10,13 @@ import numpy.typing as npt
 
 from flowabs_nodes.filters import arguments, gaussian
 from flowabs_nodes.filters.arguments import Array
-from flowabs_nodes.filters.blocks import COLUMNS, Block, first_pixel, scratch, u
 from flowabs_nodes.filters.exponential import LOG2_E, exp2
 from flowabs_nodes.filters.flow_blur import along, planes_of
+from flowabs_nodes.filters.full import full
 from flowabs_nodes.filters.gradient_line import across
 from flowabs_nodes.filters.kernels import kernel
-from flowabs_nodes.filters.sampling import SAMPLINGS, find, new_between, read_between, records, snap
+from flowabs_nodes.filters.sampling import SAMPLINGS
 from flowabs_nodes.filters.threads import over_rows
-from flowabs_nodes.filters.walk import new_walk, start, step
 
 
 def fdog(
@@ -98,11 +97,12 @@ class Detector:
         """H of a picture (C, H, W), its first plane alone without a weight for colour."""
         planes = planes if self.color_weight > 0 else planes[:1]
         if self.full:
-            responses = _full(planes, flow, self.taps, self.weights, self.sampling)
+            responses = full(planes, flow, self.taps, self.weights, self.sampling)
         else:
             responses = along(across(planes, flow, self.taps), flow, self.weights, self.sampling)
         if self.color_weight == 0:
-            return responses[0]
+            first: Array = responses[0]
+            return first
         joined = np.empty(flow.shape[:2], np.float32)
         over_rows(_join, flow.shape[0], responses, np.float32(self.color_weight), joined)
         return joined
@@ -113,7 +113,7 @@ def _join(first: int, last: int, responses: Any, weight: Any, joined: Any) -> No
     """H of all channels together."""
     is_color = responses.shape[0] > 1
     for y in range(first, last):
-        for x in range(u(joined.shape[1])):
+        for x in range(joined.shape[1]):
             d = responses[0, y, x]
             a = weight * responses[1, y, x] if is_color else np.float32(0.0)
             b = weight * responses[2, y, x] if is_color else np.float32(0.0)
@@ -121,70 +121,3 @@ def _join(first: int, last: int, responses: Any, weight: Any, joined: Any) -> No
             e = exp2(np.float32(-4 * LOG2_E) * abs(d))
             strength = (np.float32(1.0) - e) / (np.float32(1.0) + e) * np.sqrt(d * d + a * a + b * b)
             joined[y, x] = -strength if d < 0 else strength
-
-
-def _full(
-    planes: Array, flow: Array, taps: npt.NDArray[np.float64], weights: npt.NDArray[np.float64], sampling: str
-) -> Array:
-    """Eq. 6."""
-    image = records(planes[0] if len(planes) == 1 else np.ascontiguousarray(np.moveaxis(planes, 0, -1)))
-    result = np.empty_like(image)
-    factors = taps.astype(np.float32), weights.astype(np.float32)
-    over_rows(_full_rows, image.shape[0], image, flow, *factors, sampling == "nearest", result)
-    return np.ascontiguousarray(np.moveaxis(result, -1, 0))[: len(planes)]
-
-
-@kernel
-def _full_rows(
-    first: int, last: int, image: Any, flow: Any, taps: Any, weights: Any, to_nearest: bool, result: Any
-) -> None:
-    height, width, channels = image.shape
-    source, tangents, target = image.reshape(-1), flow.reshape(-1), result.reshape(-1)
-    for y in range(first, last):
-        _full_row(source, channels, tangents, taps, weights, to_nearest, y, width, height, target)
-
-
-@kernel
-def _full_row(
-    image: Any,
-    channels: int,
-    flow: Any,
-    taps: Any,
-    weights: Any,
-    to_nearest: bool,
-    y: int,
-    width: int,
-    height: int,
-    result: Any,
-) -> None:
-    walk = new_walk()
-    centre_x, centre_y = scratch(np.float64, 1), scratch(np.float64, 1)
-    dx, dy = scratch(np.float64, 1), scratch(np.float64, 1)
-    between = new_between()
-    values, total = scratch(np.float32, 4), scratch(np.float32, 4)
-    for x in range(0, width, COLUMNS):
-        block = Block(x, y, u(min(COLUMNS, width - x)), width, height)
-        first, size = u(channels) * first_pixel(block), u(channels) * block.size
-        for k in range(size):
-            total[k] = np.float32(0.0)
-        for way in range(2):
-            start(walk, flow, way, block)
-            for s in range(way, weights.size):  # the centre belongs to the first way
-                if s > 0:
-                    step(walk, flow, block)
-                if to_nearest:  # z is the pixel itself
-                    snap(walk.dx, walk.dy, centre_x, centre_y, block)
-                else:
-                    for i in range(block.size):
-                        centre_x[i], centre_y[i] = walk.dx[i], walk.dy[i]
-                for n in range(1 - taps.size, taps.size):
-                    for i in range(block.size):
-                        dx[i] = centre_x[i] + n * np.float64(walk.ty[i])
-                        dy[i] = centre_y[i] - n * np.float64(walk.tx[i])
-                    find(dx, dy, between, block)
-                    read_between(image, between, values, block, channels)
-                    weight = weights[u(s)] * taps[u(abs(n))]
-                    for k in range(size):
-                        total[k] += weight * values[k]
-        for k in range(size):
-            result[first + k] = total[k]

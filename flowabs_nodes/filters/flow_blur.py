@@ -8,8 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from flowabs_nodes.errors import ArgumentError
-from flowabs_nodes.filters import any_length, arguments, gaussian
+from flowabs_nodes.filters import arguments, gaussian
 from flowabs_nodes.filters.arguments import Array
+from flowabs_nodes.filters.full import full
 from flowabs_nodes.filters.kernels import kernel
 from flowabs_nodes.filters.sampling import SAMPLINGS
 from flowabs_nodes.filters.threads import over_rows
@@ -92,7 +93,7 @@ def along(planes: Array, flow: Array, weights: npt.NDArray[np.float64], sampling
     kernel = _along_nearest if sampling == "nearest" else _along_bilinear
     tangents = flow.reshape(-1).view(np.complex64)
     if not all(over_rows(kernel, height, planes, tangents, weights.astype(np.float32), blurred, least=ROWS)):
-        return any_length.along(planes, flow, weights, sampling)
+        return full(planes, flow, np.ones(1), weights, sampling)
     return blurred
 
 

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from flowabs_nodes.filters import any_length
 from flowabs_nodes.filters.arguments import Array
+from flowabs_nodes.filters.full import full
 from flowabs_nodes.filters.kernels import kernel
 from flowabs_nodes.filters.threads import over_rows
 from flowabs_nodes.filters.tiles import COLUMNS, ROWS, Tile, between, fill_lattice, place, room, short, tile, widened
@@ -38,7 +38,7 @@ def across(planes: Array, flow: Array, taps: npt.NDArray[np.float64]) -> Array:
     result = np.empty_like(planes)
     tangents = flow.reshape(-1).view(np.complex64)
     if not all(over_rows(_across, height, planes, tangents, taps.astype(np.float32), result, least=ROWS)):
-        return any_length.across(planes, flow, taps)
+        return full(planes, flow, taps, np.ones(1), "bilinear")
     return result
 
 

@@ -55,13 +55,13 @@ def widened(planes: Array, axis: int) -> Array:
 
 
 @inlined
-def reach(steps: int) -> int:
+def reach(steps: Any) -> Any:
     """How many pixels away ``steps`` steps lead at most."""
     return steps + steps // 4 + 2
 
 
 @inlined
-def room(steps: int, rows: int) -> int:
+def room(steps: int, rows: int) -> Any:
     """How much memory the largest tile needs."""
     return (min(ROWS, rows) + 2 * reach(steps) + 3) * (COLUMNS + 2 * reach(steps) + 3 * LANES)
 

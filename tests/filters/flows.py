@@ -31,3 +31,11 @@ def cases() -> dict[str, tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]
         "photo": (cat, filters.etf(cat[..., 0])),
         "noise": (np.stack([one, one[::-1], one[:, ::-1]], -1), random_flow(one.shape)),
     }
+
+
+@functools.cache
+def large() -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
+    """Code values (H, W) and a flow that turns slowly, of more than one tile, cut off at odd places."""
+    y, x = np.mgrid[:150, :291]
+    angle = 3 * np.sin(x / 40) + 2 * np.cos(y / 25) + 0.2 * random_flow((150, 291))[..., 0]
+    return noise(150, 291), np.stack([np.cos(angle), np.sin(angle)], -1).astype(np.float32)

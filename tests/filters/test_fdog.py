@@ -4,7 +4,7 @@ import pytest
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import fdog, threshold
 from flowabs_nodes.filters.sampling import SAMPLINGS
-from tests.filters.flows import THIN, cases, random_flow
+from tests.filters.flows import THIN, cases, large, random_flow
 from tests.naive import fdog as naive
 
 
@@ -38,6 +38,37 @@ def test_thin_pictures(shape, kernel):
     flow = random_flow(shape, 2)
     np.testing.assert_allclose(
         fdog(code, flow, kernel=kernel), naive.fdog(code, flow, kernel=kernel), rtol=0, atol=2e-4
+    )
+
+
+@pytest.mark.parametrize("sampling", SAMPLINGS)
+@pytest.mark.parametrize("kernel", ["separable", "full"])
+@pytest.mark.parametrize("length", [0.01, 1.2, 1.3, 40])
+def test_tangents_of_any_length(length, kernel, sampling):
+    image, flow = cases()["noise"]
+    lengths = np.random.default_rng(5).uniform(0, length, (*flow.shape[:2], 1)).astype(np.float32)
+    response = fdog(image[..., 0], lengths * flow, kernel=kernel, sampling=sampling)
+    expected = naive.fdog(image[..., 0], lengths * flow, kernel=kernel, sampling=sampling)
+    np.testing.assert_allclose(response, expected, rtol=0, atol=2e-4)
+
+
+@pytest.mark.parametrize("sampling", SAMPLINGS)
+def test_one_long_tangent_changes_nothing_far_from_it(sampling):
+    image, flow = large()
+    long = flow.copy()
+    long[70, 140] *= 5
+    near, far = (fdog(image, each, sampling=sampling) for each in (flow, long))
+    np.testing.assert_allclose(near[:, 200:], far[:, 200:], rtol=0, atol=1e-4)  # by another path
+    assert abs(near - far).max() > 1
+
+
+@pytest.mark.parametrize("sampling", SAMPLINGS)
+@pytest.mark.parametrize(("sigma_m", "sigma_c"), [(3, 1), (60, 0.4), (0.4, 40)])
+def test_pictures_of_several_tiles(sigma_m, sigma_c, sampling):
+    image, flow = large()
+    response = fdog(image, flow, sigma_m, sigma_c, sampling=sampling)
+    np.testing.assert_allclose(
+        response, naive.fdog(image, flow, sigma_m, sigma_c, sampling=sampling), rtol=0, atol=3e-4
     )
 
 
