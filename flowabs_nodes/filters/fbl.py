@@ -54,8 +54,8 @@ def fbl(
     flow
         (H, W, 2), unit tangents, x right and y down; the sign has no meaning.
     sigma_e, sigma_g
-        Sigma of the Gaussian along and across the flow, in pixels, 0 to 10,000; 0 leaves that pass out. With several
-        iterations and nearest pixels, up to ``sigma_e`` 5.3, the walks take 2 ceil(3 ``sigma_e``) bytes a pixel.
+        Sigma of the Gaussian along and across the flow, in pixels, 0 to 10,000; 0 leaves that pass out. With nearest
+        pixels walks of up to 16 steps (``sigma_e`` 5.3) are written down once, 8 bytes a pixel for each 8 steps.
     r_e, r_g
         Sigma of the Gaussian of colour differences along and across the flow, in code values, above 0 (eq. 13).
     iterations
@@ -85,7 +85,7 @@ def fbl(
     bilinear = arguments.choice("sampling", sampling, SAMPLINGS) == "bilinear"
     covered, frame = partial(alpha, codes), frame_of(codes)
     passes = []
-    if sigma_e > 0:
+    if sigma_e > 0 and iterations > 0:
         passes.append(_pass_along(flow, sigma_e, r_e, bilinear, covered, frame))
     if sigma_g > 0:
         passes.append(pass_on_lines(flow, True, None, sigma_g, r_g, bilinear, covered, frame))

@@ -18,11 +18,15 @@ from flowabs_nodes.filters.processor import PATH
 from flowabs_nodes.filters.threads import over_rows
 from flowabs_nodes.filters.vector import (
     LANES,
+    absolute,
     any_lane,
     inlined,
     lane_numbers,
     load,
     look_up,
+    maximum,
+    minimum,
+    same_floats,
     same_ints,
     scratch,
     soon_read,
@@ -56,7 +60,8 @@ def written_walks(flow: Any, steps: int, frame: Frame) -> Moves | None:
 def _write(first: int, last: int, flow: Any, steps: int, frame: Frame, moves: Any) -> Any:
     """Whether all of them fit."""
     walks, place, word = new_walks(), scratch(np.int32, TOGETHER), scratch(np.int32, TOGETHER)
-    row, wrong = (steps + STEPS - 1) // STEPS * 2 * frame.stride, same_ints(0)
+    row = (steps + STEPS - 1) // STEPS * 2 * frame.stride
+    wrong, longest = same_ints(0), same_floats(0.0)
     for y in range(first, last):
         for x0 in range(0, frame.stride, ALL // 2):
             set_out(walks, flow, x0, y, frame)
@@ -64,8 +69,9 @@ def _write(first: int, last: int, flow: Any, steps: int, frame: Frame, moves: An
                 x = column(x0, at, frame)
                 expect_tangents(flow, x, y, steps + 1, frame)
                 soon_written(moves, y * row + at // LANES % 2 * frame.stride + x + AHEAD)
-                store(place, at, _place(lane_numbers() + x, same_ints(y)))
+                store(place, at, _place(minimum(lane_numbers() + x, frame.width - 1), same_ints(y)))
                 store(word, at, same_ints(_STAY))
+                longest = maximum(longest, maximum(absolute(load(walks.tx, at)), absolute(load(walks.ty, at))))
             for s in range(steps):
                 for at in range(0, ALL, LANES):
                     here = _place(*advance(walks, at, column(x0, at, frame), y, frame))
@@ -79,7 +85,8 @@ def _write(first: int, last: int, flow: Any, steps: int, frame: Frame, moves: An
                         wrong = wrong | (now & (now >> 1))
                 if s < steps - 1:
                     turn(walks, flow)
-    return not any_lane((wrong & _STAY) > 0)  # a move of 2 or more has both bits set for its rows or its columns
+    # A move of 2 has both bits set of its rows or its columns, and no tangent up to 1.5 makes a longer one.
+    return not (any_lane((wrong & _STAY) > 0) or any_lane(longest > 1.5))
 
 
 @inlined

@@ -13,7 +13,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from flowabs_nodes.filters.arguments import Array
 from flowabs_nodes.filters.vector import (
     LANES,
     from_doubles,
@@ -44,7 +43,7 @@ class Between(NamedTuple):
     fy: Any
 
 
-def frame_of(picture: Array) -> Frame:
+def frame_of(picture: npt.NDArray[Any]) -> Frame:
     height, width = picture.shape[:2]
     return Frame(width, height, max(width, LANES))
 

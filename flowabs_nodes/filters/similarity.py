@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from flowabs_nodes.filters import arguments, gaussian
 from flowabs_nodes.filters.arguments import Array
-from flowabs_nodes.filters.points import Frame, padded
+from flowabs_nodes.filters.points import Frame
 from flowabs_nodes.filters.vector import (
     LANES,
     exp2,
@@ -57,19 +57,28 @@ def partial(alpha: npt.ArrayLike | None, codes: Array) -> Array | None:
 
 def in_turn(codes: Array, alpha: Array | None, frame: Frame, passes: list[Pass], iterations: int) -> Array:
     """``codes`` after each of the passes in turn, ``iterations`` times."""
-    if not passes or iterations == 0:
-        return codes.copy()
-    size = 3 if alpha is None else 4
-    numbers = frame.height * frame.stride * size
-    picture, smoothed = (np.empty(numbers + 2, np.float32) for _ in range(2))
-    picture[:numbers] = padded(codes if alpha is None else np.dstack([codes, alpha]), frame)
-    picture[numbers:] = smoothed[numbers:] = 0
+    size = frame.height * frame.stride * (3 if alpha is None else 4) + 2
+    picture, smoothed = (np.empty(size, np.float32) for _ in range(2))
+    for each in picture, smoothed:
+        each[-2:] = 0
+        if frame.stride > frame.width:
+            each[:] = 0
+    records = _records(picture, alpha, frame)
+    records[..., :3] = codes
+    if alpha is not None:
+        records[..., 3] = alpha
     for _ in range(iterations):
         for smooth in passes:
             smooth(picture, smoothed)
             picture, smoothed = smoothed, picture
-    result = picture[:numbers].reshape(frame.height, frame.stride, size)[:, : frame.width, :3]
-    return np.ascontiguousarray(result)
+    return np.ascontiguousarray(_records(picture, alpha, frame)[..., :3])
+
+
+def _records(picture: Array, alpha: Array | None, frame: Frame) -> Array:
+    """Without what is only there to be read by sixteen."""
+    size = 3 if alpha is None else 4
+    rows = picture[: frame.height * frame.stride * size].reshape(frame.height, frame.stride, size)
+    return rows[:, : frame.width]
 
 
 def closeness(sigma: float) -> Array:
