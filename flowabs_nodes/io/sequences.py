@@ -7,8 +7,6 @@ import re
 from dataclasses import dataclass
 from functools import cached_property
 
-import fileseq
-
 from flowabs_nodes.errors import CommandError, ReadError
 
 #: The most frames one range may come to.
@@ -82,6 +80,8 @@ class Sequence:
         if len(tokens) > 1:
             found = " and ".join(token[0] for token in tokens)
             raise CommandError(f"a name has one frame token, found {found}", code="bad-sequence", file=self.pattern)
+        import fileseq  # a parser that single pictures need not wait for
+
         try:
             numbered = fileseq.FileSequence(name, pad_style=fileseq.PAD_STYLE_HASH1)
         except fileseq.FileSeqException as error:
@@ -149,4 +149,8 @@ class Sequence:
 
 def listing(frames: tuple[int, ...]) -> str:
     """Frames as a range, for messages: (1, 2, 3, 7) is "1-3,7"."""
-    return str(fileseq.FrameSet(frames).frange) if frames else "none"
+    if not frames:
+        return "none"
+    import fileseq
+
+    return str(fileseq.FrameSet(frames).frange)
