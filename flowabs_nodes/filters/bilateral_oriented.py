@@ -13,7 +13,7 @@ from flowabs_nodes.filters.bilateral_line import pass_on_lines
 from flowabs_nodes.filters.kernels import inlined, kernel
 from flowabs_nodes.filters.points import frame_of
 from flowabs_nodes.filters.sampling import SAMPLINGS
-from flowabs_nodes.filters.similarity import in_turn, partial
+from flowabs_nodes.filters.similarity import in_turn, partial_coverage
 from flowabs_nodes.filters.threads import over_rows
 
 KERNELS = ("line", "arc")
@@ -80,7 +80,7 @@ def bilateral_oriented(
     iterations = arguments.whole("iterations", iterations, min=0)
     arc = arguments.choice("kernel", kernel, KERNELS) == "arc"
     bilinear = arguments.choice("sampling", sampling, SAMPLINGS) == "bilinear"
-    covered, frame = partial(alpha, codes), frame_of(codes)
+    covered, frame = partial_coverage(alpha, codes), frame_of(codes)
     passes = []
     if sigma_e > 0:
         kappa = curvature(flow) if arc else None

@@ -27,7 +27,7 @@ from flowabs_nodes.filters.similarity import (
     kept,
     mean,
     only,
-    partial,
+    partial_coverage,
 )
 from flowabs_nodes.filters.threads import over_rows
 from flowabs_nodes.filters.vector import LANES, load, scratch
@@ -83,7 +83,7 @@ def fbl(
     r_g = arguments.number("r_g", r_g, above=0)
     iterations = arguments.whole("iterations", iterations, min=0)
     bilinear = arguments.choice("sampling", sampling, SAMPLINGS) == "bilinear"
-    covered, frame = partial(alpha, codes), frame_of(codes)
+    covered, frame = partial_coverage(alpha, codes), frame_of(codes)
     passes = []
     if sigma_e > 0 and iterations > 0:
         passes.append(_pass_along(flow, sigma_e, r_e, bilinear, covered, frame))

@@ -26,13 +26,11 @@ from flowabs_nodes.filters.vector import (
     store,
 )
 
-MOST = 32  # readings that are written down, of sixteen pixels each
-
 AHEAD = 128  # pixels: what is fetched while these are worked on
 
 
 class Points(NamedTuple):
-    """Of each reading, where the record is, and how far beyond its pixel the point."""
+    """Of 32 readings, where the record is, and how far beyond its pixel the point."""
 
     place: Any
     fx: Any
@@ -60,7 +58,7 @@ def expect(picture: Any, smoothed: Any, x: int, y: int, below: int, frame: Frame
 
 @inlined
 def find(points: Points, at: int, dx: Any, dy: Any, x: int, y: int, frame: Frame, size: int, bilinear: Any) -> None:
-    """Reading ``at`` / 16 is to be taken (dx, dy) from the pixels x .. x + 15 of row y."""
+    """The reading at [at] is to be taken (dx, dy) from the pixels x .. x + 15 of row y."""
     if bilinear is None:
         columns, rows = nearest(dx, dy, x, y, frame)
         store(points.place, at, (rows * frame.stride + columns) * size)

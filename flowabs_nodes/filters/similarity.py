@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 from flowabs_nodes.filters import arguments, gaussian
 from flowabs_nodes.filters.arguments import Array
+from flowabs_nodes.filters.exponential import LOG2_E
 from flowabs_nodes.filters.points import Frame
 from flowabs_nodes.filters.vector import (
     LANES,
@@ -33,7 +34,6 @@ from flowabs_nodes.filters.vector import (
     store_triples,
 )
 
-LOG2_E = 1.4426950408889634
 TINY = np.float32(1e-20)  # an alpha from which colours can no longer be told
 
 #: Fills its second argument from the first.
@@ -47,7 +47,7 @@ def coverage(alpha: npt.ArrayLike | None, codes: Array) -> Array:
     return arguments.plane("alpha", alpha, codes.shape)
 
 
-def partial(alpha: npt.ArrayLike | None, codes: Array) -> Array | None:
+def partial_coverage(alpha: npt.ArrayLike | None, codes: Array) -> Array | None:
     """``alpha`` as (H, W), 0 where it is too little; None where it is 1 everywhere."""
     if alpha is None:
         return None
@@ -93,7 +93,7 @@ def falloff(r: float) -> np.float32:
 
 
 class Color(NamedTuple):
-    """Of sixteen records; ``alpha`` is 1 in records of three."""
+    """Of sixteen records. What is read of records of three has no alpha: what is there then means nothing."""
 
     l: Any  # noqa: E741
     a: Any
