@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from flowabs_nodes.filters.arguments import Array
-from flowabs_nodes.filters.kernels import kernel
+from flowabs_nodes.filters.kernels import inlined, kernel
 
 
 def flatten_regions(image: Array, there: npt.NDArray[np.bool_], limit: float, min_region: int) -> None:
@@ -69,7 +69,7 @@ def _flatten(image: Any, there: Any, limit: float, min_region: int) -> None:
                     image[y, x, c] = np.float32(total[root, c] / size[root])
 
 
-@kernel
+@inlined
 def _alike(one: Any, other: Any, limit: float) -> bool:
     square = 0.0
     for c in range(3):
@@ -77,7 +77,7 @@ def _alike(one: Any, other: Any, limit: float) -> bool:
     return square <= limit * limit
 
 
-@kernel
+@inlined
 def _root(parent: Any, i: int) -> int:
     while parent[i] != i:
         parent[i] = parent[parent[i]]
@@ -85,14 +85,14 @@ def _root(parent: Any, i: int) -> int:
     return i
 
 
-@kernel
+@inlined
 def _unite(parent: Any, i: int, j: int) -> None:
     """The root is the first pixel of a region, so that it does not matter what was united first."""
     i, j = _root(parent, i), _root(parent, j)
     parent[max(i, j)] = min(i, j)
 
 
-@kernel
+@inlined
 def _add(parent: Any, i: int, colour: Any, size: Any, total: Any) -> None:
     root = _root(parent, i)
     size[root] += 1
@@ -100,7 +100,7 @@ def _add(parent: Any, i: int, colour: Any, size: Any, total: Any) -> None:
         total[root, c] += colour[c]
 
 
-@kernel
+@inlined
 def _meet(a: int, b: int, size: Any, total: Any, min_region: int, nearest: Any, distance: Any) -> None:
     """Two regions touch: each may be what the other, if it is small, has nearest."""
     if a == b or (size[a] >= min_region and size[b] >= min_region):
