@@ -20,6 +20,7 @@ from flowabs_nodes.filters import arguments, gaussian
 from flowabs_nodes.filters.arguments import Array
 from flowabs_nodes.filters.exponential import LOG2_E
 from flowabs_nodes.filters.points import Frame
+from flowabs_nodes.filters.threads import over_rows
 from flowabs_nodes.filters.vector import (
     LANES,
     exp2,
@@ -58,15 +59,18 @@ def partial_coverage(alpha: npt.ArrayLike | None, codes: Array) -> Array | None:
 def in_turn(codes: Array, alpha: Array | None, frame: Frame, passes: list[Pass], iterations: int) -> Array:
     """``codes`` after each of the passes in turn, ``iterations`` times."""
     size = frame.height * frame.stride * (3 if alpha is None else 4) + 2
-    picture, smoothed = (np.empty(size, np.float32) for _ in range(2))
-    for each in picture, smoothed:
-        each[-2:] = 0
-        if frame.stride > frame.width:
-            each[:] = 0
+    # What is only there to be read by sixteen has to be finite.
+    new = np.empty if frame.stride == frame.width else np.zeros
+    picture, smoothed = (new(size, np.float32) for _ in range(2))
+    picture[-2:] = smoothed[-2:] = 0
     records = _records(picture, alpha, frame)
-    records[..., :3] = codes
-    if alpha is not None:
-        records[..., 3] = alpha
+
+    def fill(first: int, last: int) -> None:
+        records[first:last, :, :3] = codes[first:last]
+        if alpha is not None:
+            records[first:last, :, 3] = alpha[first:last]
+
+    over_rows(fill, frame.height)
     for _ in range(iterations):
         for smooth in passes:
             smooth(picture, smoothed)
