@@ -103,7 +103,7 @@ def _along_bilinear(first: int, last: int, planes: Any, flow: Any, weights: Any,
     channels, height, width = planes.shape
     source, target, steps = planes.reshape(-1), blurred.reshape(-1), weights.size - 1
     walks, total = new_walks(), scratch(np.float32, _SUMS)
-    size = room(steps, last - first)
+    size = room(steps, last - first, width, height)
     tangents, lattices = np.empty(size, np.complex64), np.empty(channels * size, np.complex64)
     for y0 in range(first, last, ROWS):
         for x0 in range(0, width, COLUMNS):
@@ -146,7 +146,7 @@ def _along_nearest(first: int, last: int, planes: Any, flow: Any, weights: Any, 
     channels, height, width = planes.shape
     source, target, steps = planes.reshape(-1), blurred.reshape(-1), weights.size - 1
     walks, total = new_walks(), scratch(np.float32, _SUMS)
-    records = np.empty(2 * room(steps, last - first), np.complex64)
+    records = np.empty(2 * room(steps, last - first, width, height), np.complex64)
     for y0 in range(first, last, ROWS):
         for x0 in range(0, width, COLUMNS):
             y_end, x_end = min(y0 + ROWS, last), min(x0 + COLUMNS, width)

@@ -48,7 +48,7 @@ def _across(first: int, last: int, planes: Any, flow: Any, taps: Any, result: An
     channels, height, width = planes.shape
     source, target, steps = planes.reshape(-1), result.reshape(-1), taps.size - 1
     places, u, v = scratch(np.int32, 16), scratch(np.float32, 8), scratch(np.float32, 8)
-    lattice = np.empty(room(steps, last - first), np.complex64)
+    lattice = np.empty(room(steps, last - first, width, height), np.complex64)
     for y0 in range(first, last, ROWS):
         for x0 in range(0, width, COLUMNS):
             y_end, x_end = min(y0 + ROWS, last), min(x0 + COLUMNS, width)

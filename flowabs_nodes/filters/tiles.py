@@ -61,9 +61,10 @@ def reach(steps: Any) -> Any:
 
 
 @inlined
-def room(steps: int, rows: int) -> Any:
-    """How much memory the largest tile needs."""
-    return (min(ROWS, rows) + 2 * reach(steps) + 3) * (COLUMNS + 2 * reach(steps) + 3 * LANES)
+def room(steps: int, rows: int, width: int, height: int) -> Any:
+    """How much memory the largest tile needs, of a band of so many rows of a picture."""
+    high = min(min(ROWS, rows) + 2 * reach(steps), height) + 3
+    return high * (min(COLUMNS + 2 * reach(steps), width) + 3 * LANES)
 
 
 @inlined

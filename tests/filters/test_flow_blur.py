@@ -153,3 +153,10 @@ def test_errors_name_the_argument(arguments, parameter):
     with pytest.raises(ArgumentError, match=parameter) as error:
         flow_blur(**({"image": np.zeros((4, 5)), "flow": np.zeros((4, 5, 2))} | arguments))
     assert error.value.parameter == parameter
+
+
+@pytest.mark.parametrize("sampling", ["bilinear", "nearest"])
+def test_the_longest_walks_end_in_the_border(sampling):
+    image = np.linspace(0, 100, 30, dtype=np.float32) * np.ones((20, 1), np.float32)
+    flow = np.broadcast_to(np.float32([1, 0]), (20, 30, 2))
+    np.testing.assert_allclose(flow_blur(image, flow, 10_000, sampling), 50, atol=0.2)
