@@ -19,7 +19,8 @@ import numpy.typing as npt
 from flowabs_nodes.filters import arguments, gaussian
 from flowabs_nodes.filters.arguments import Array
 from flowabs_nodes.filters.exponential import LOG2_E
-from flowabs_nodes.filters.points import Frame
+from flowabs_nodes.filters.kernels import kernel
+from flowabs_nodes.filters.points import Frame, padded
 from flowabs_nodes.filters.threads import over_rows
 from flowabs_nodes.filters.vector import (
     LANES,
@@ -49,40 +50,53 @@ def coverage(alpha: npt.ArrayLike | None, codes: Array) -> Array:
 
 
 def partial_coverage(alpha: npt.ArrayLike | None, codes: Array) -> Array | None:
-    """``alpha`` as (H, W), 0 where it is too little; None where it is 1 everywhere."""
+    """``alpha`` as (H, W); None where it is 1 everywhere."""
     if alpha is None:
         return None
     covered = arguments.plane("alpha", alpha, codes.shape)
-    return None if (covered == 1).all() else np.where(covered > TINY, covered, np.float32(0))
+    return None if (covered == 1).all() else covered
 
 
 def in_turn(codes: Array, alpha: Array | None, frame: Frame, passes: list[Pass], iterations: int) -> Array:
     """``codes`` after each of the passes in turn, ``iterations`` times."""
-    size = frame.height * frame.stride * (3 if alpha is None else 4) + 2
-    # What is only there to be read by sixteen has to be finite.
-    new = np.empty if frame.stride == frame.width else np.zeros
-    picture, smoothed = (new(size, np.float32) for _ in range(2))
+    pixels = frame.height * frame.stride
+    picture, smoothed = (np.empty(pixels * (3 if alpha is None else 4) + 2, np.float32) for _ in range(2))
     picture[-2:] = smoothed[-2:] = 0
-    records = _records(picture, alpha, frame)
-
-    def fill(first: int, last: int) -> None:
-        records[first:last, :, :3] = codes[first:last]
-        if alpha is not None:
-            records[first:last, :, 3] = alpha[first:last]
-
-    over_rows(fill, frame.height)
+    given = padded(codes, frame)
+    if alpha is None:
+        over_rows(lambda first, last: np.copyto(picture[first:last], given[first:last]), given.size)
+    else:
+        over_rows(_join, frame.height, given, padded(alpha, frame), frame, picture)
     for _ in range(iterations):
         for smooth in passes:
             smooth(picture, smoothed)
             picture, smoothed = smoothed, picture
-    return np.ascontiguousarray(_records(picture, alpha, frame)[..., :3])
+    if alpha is None:
+        result = picture[: 3 * pixels]
+    else:
+        result = smoothed[: 3 * pixels]  # its memory is free now
+        over_rows(_part, frame.height, picture, frame, result)
+    return np.ascontiguousarray(result.reshape(frame.height, frame.stride, 3)[:, : frame.width])
 
 
-def _records(picture: Array, alpha: Array | None, frame: Frame) -> Array:
-    """Without what is only there to be read by sixteen."""
-    size = 3 if alpha is None else 4
-    rows = picture[: frame.height * frame.stride * size].reshape(frame.height, frame.stride, size)
-    return rows[:, : frame.width]
+@kernel
+def _join(first: int, last: int, codes: Any, alpha: Any, frame: Frame, picture: Any) -> None:
+    """Records of four from both; an alpha that is too little is none."""
+    for y in range(first, last):
+        for x in range(0, frame.stride, LANES):
+            pixel = y * frame.stride + min(x, frame.stride - LANES)
+            l, a, b = load_triples(codes, 3 * pixel)  # noqa: E741
+            covered = load(alpha, pixel)
+            store_quads(picture, 4 * pixel, (l, a, b, select(covered > TINY, covered, 0.0)))
+
+
+@kernel
+def _part(first: int, last: int, picture: Any, frame: Frame, codes: Any) -> None:
+    for y in range(first, last):
+        for x in range(0, frame.stride, LANES):
+            pixel = y * frame.stride + min(x, frame.stride - LANES)
+            l, a, b, _ = load_quads(picture, 4 * pixel)  # noqa: E741
+            store_triples(codes, 3 * pixel, (l, a, b))
 
 
 def closeness(sigma: float) -> Array:

@@ -83,12 +83,27 @@ def test_passes_take_turns(shape: tuple[int, int], with_alpha: bool) -> None:
     assert not np.shares_memory(same, codes)
 
 
+@pytest.mark.parametrize("width", [3, 16, 40])
+def test_records_have_the_alpha_that_counts(width: int) -> None:
+    codes, seen = RANDOM.random((2, width, 3)).astype(np.float32), []
+    alpha = RANDOM.choice([1, 0.5, 0, -1, 1e-30, 1e-10], (2, width)).astype(np.float32)
+
+    def look(picture: Any, smoothed: Any) -> None:
+        seen.append(picture[:-2].reshape(2, -1, 4)[:, :width].copy())
+        smoothed[:] = picture
+
+    result = in_turn(codes, alpha, frame_of(codes), [look], 1)
+    np.testing.assert_array_equal(seen[0][..., :3], codes)
+    np.testing.assert_array_equal(seen[0][..., 3], np.where(alpha > 1e-20, alpha, 0))
+    np.testing.assert_array_equal(result, codes)
+
+
 def test_coverage() -> None:
     codes = np.zeros((2, 3, 3), np.float32)
     np.testing.assert_array_equal(coverage(None, codes), np.ones((2, 3)))
     assert partial_coverage(None, codes) is None
     assert partial_coverage(np.ones((2, 3)), codes) is None
     alpha = np.array([[1, 0.5, 0], [-1, 1e-30, 1e-10]])
-    np.testing.assert_array_equal(partial_coverage(alpha, codes), np.float32([[1, 0.5, 0], [0, 0, 1e-10]]))
+    np.testing.assert_array_equal(partial_coverage(alpha, codes), alpha.astype(np.float32))
     with pytest.raises(ArgumentError, match="alpha"):
         partial_coverage(np.ones((3, 2)), codes)
