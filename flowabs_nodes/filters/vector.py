@@ -249,14 +249,22 @@ def select(typingctx: Any, where: Any, then: Any, otherwise: Any) -> Any:
     return kind(masks, kind, kind), lambda context, builder, sig, values: builder.select(*values)
 
 
-@inlined
-def minimum(x: Any, y: Any) -> Any:
-    return select(x < y, x, y)
+def _first_if(sign: str) -> Any:
+    """Of two vectors, or a vector and a number, in each lane the first one if the comparison holds, else the second."""
+
+    def declare(typingctx: Any, x: Any, y: Any) -> Any:
+        kind = x if isinstance(x, Vector) else y
+
+        def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
+            compare = builder.icmp_signed if kind is ints else builder.fcmp_ordered
+            return builder.select(compare(sign, *values), *values)
+
+        return kind(kind, kind), generate
+
+    return intrinsic(declare)
 
 
-@inlined
-def maximum(x: Any, y: Any) -> Any:
-    return select(x > y, x, y)
+minimum, maximum = _first_if("<"), _first_if(">")
 
 
 # Memory. ------------------------------------------------------------------------------------------------------------
