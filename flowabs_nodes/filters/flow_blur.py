@@ -13,18 +13,18 @@ from flowabs_nodes.filters.arguments import Array
 from flowabs_nodes.filters.full import full
 from flowabs_nodes.filters.kernels import kernel
 from flowabs_nodes.filters.sampling import SAMPLINGS
-from flowabs_nodes.filters.threads import over_rows
 from flowabs_nodes.filters.tile_walk import BLOCKS, Walks, advance, beyond, new_walks, set_out, turn
 from flowabs_nodes.filters.tiles import (
     COLUMNS,
     ROWS,
+    Shape,
     between,
     fill_lattice,
     fill_records,
     fill_tangents,
+    over_tiles,
     room,
     tile,
-    widened,
 )
 from flowabs_nodes.filters.vector import (
     LANES,
@@ -85,23 +85,15 @@ def along(planes: Array, flow: Array, weights: npt.NDArray[np.float64], sampling
 
     ``weights`` are those of the steps 0, 1 .. to either side.
     """
-    _, height, width = planes.shape
-    if width < LANES:
-        wide = along(widened(planes, 2), widened(flow, 1), weights, sampling)
-        return np.ascontiguousarray(wide[..., :width])
-    blurred = np.empty_like(planes)
-    kernel = _along_nearest if sampling == "nearest" else _along_bilinear
-    tangents = flow.reshape(-1).view(np.complex64)
-    if not all(over_rows(kernel, height, planes, tangents, weights.astype(np.float32), blurred, least=ROWS)):
-        return full(planes, flow, np.ones(1), weights, sampling)
-    return blurred
+    blurred = over_tiles(_along_nearest if sampling == "nearest" else _along_bilinear, planes, flow, weights)
+    return full(planes, flow, np.ones(1), weights, sampling) if blurred is None else blurred
 
 
 @kernel
-def _along_bilinear(first: int, last: int, planes: Any, flow: Any, weights: Any, blurred: Any) -> bool:
+def _along_bilinear(first: int, last: int, planes: Any, shape: Shape, flow: Any, weights: Any, blurred: Any) -> bool:
     """Whether all tangents were short enough."""
-    channels, height, width = planes.shape
-    source, target, steps = planes.reshape(-1), blurred.reshape(-1), weights.size - 1
+    channels, height, width = shape
+    steps = weights.size - 1
     walks, total = new_walks(), scratch(np.float32, _SUMS)
     size = room(steps, last - first, width, height)
     tangents, lattices = np.empty(size, np.complex64), np.empty(channels * size, np.complex64)
@@ -113,10 +105,10 @@ def _along_bilinear(first: int, last: int, planes: Any, flow: Any, weights: Any,
             if not fill_tangents(tangents, flow, around):
                 return False
             for c in range(channels):
-                fill_lattice(lattices[c * size :], source, c * height * width, around)
+                fill_lattice(lattices[c * size :], planes, c * height * width, around)
             for y in range(y0, y_end):
                 _set_out(walks, flow, x0, span, y, width)
-                _start_sums(total, source, weights[0], 0, channels, x0, span, y, height, width)
+                _start_sums(total, planes, weights[0], 0, channels, x0, span, y, height, width)
                 for s in range(1, steps + 1):
                     if s > 1:
                         for k in range(0, 2 * span, LANES):
@@ -128,7 +120,7 @@ def _along_bilinear(first: int, last: int, planes: Any, flow: Any, weights: Any,
                         for k in range(0, span, LANES):
                             a, b = _read(lattices[c * size :], walks, 2 * k)
                             _add(total, c * COLUMNS + k, a + b, weights[s])
-                _finish_sums(total, target, 0, channels, x0, span, y, height, width)
+                _finish_sums(total, blurred, 0, channels, x0, span, y, height, width)
     return True
 
 
@@ -141,10 +133,10 @@ def _read(lattice: Any, walks: Walks, k: int) -> tuple[Any, Any]:
 
 
 @kernel
-def _along_nearest(first: int, last: int, planes: Any, flow: Any, weights: Any, blurred: Any) -> bool:
+def _along_nearest(first: int, last: int, planes: Any, shape: Shape, flow: Any, weights: Any, blurred: Any) -> bool:
     """Two planes at a time: one load brings a tangent and two values. Whether all tangents were short enough."""
-    channels, height, width = planes.shape
-    source, target, steps = planes.reshape(-1), blurred.reshape(-1), weights.size - 1
+    channels, height, width = shape
+    steps = weights.size - 1
     walks, total = new_walks(), scratch(np.float32, _SUMS)
     records = np.empty(2 * room(steps, last - first, width, height), np.complex64)
     for y0 in range(first, last, ROWS):
@@ -155,11 +147,11 @@ def _along_nearest(first: int, last: int, planes: Any, flow: Any, weights: Any, 
             for c in range(0, channels, 2):
                 c_end = min(c + 2, channels)
                 pair = c * height * width, (c_end - 1) * height * width
-                if not fill_records(records, flow, source, pair, around):
+                if not fill_records(records, flow, planes, pair, around):
                     return False
                 for y in range(y0, y_end):
                     _set_out(walks, flow, x0, span, y, width)
-                    _start_sums(total, source, weights[0], c, c_end, x0, span, y, height, width)
+                    _start_sums(total, planes, weights[0], c, c_end, x0, span, y, height, width)
                     for s in range(1, steps + 1):
                         for k in range(0, 2 * span, LANES):
                             advance(walks, k, s, around, 2)
@@ -168,7 +160,7 @@ def _along_nearest(first: int, last: int, planes: Any, flow: Any, weights: Any, 
                             e, f = _step_to(records, walks, 2 * k + LANES)
                             _add(total, k, a + e, weights[s])
                             _add(total, COLUMNS + k, b + f, weights[s])
-                    _finish_sums(total, target, c, c_end, x0, span, y, height, width)
+                    _finish_sums(total, blurred, c, c_end, x0, span, y, height, width)
     return True
 
 
@@ -192,13 +184,13 @@ def _set_out(walks: Walks, flow: Any, x0: int, span: int, y: int, width: int) ->
 
 @inlined
 def _start_sums(
-    total: Any, source: Any, weight: Any, c: int, c_end: int, x0: int, span: int, y: int, height: int, width: int
+    total: Any, planes: Any, weight: Any, c: int, c_end: int, x0: int, span: int, y: int, height: int, width: int
 ) -> None:
     """``total``: for each channel c .. c_end - 1 the weighted values of the centres."""
     for each in range(c, c_end):
         for k in range(0, span, LANES):
             x = min(x0 + k, width - LANES)
-            store(total, (each - c) * COLUMNS + k, load(source, (each * height + y) * width + x) * weight)
+            store(total, (each - c) * COLUMNS + k, load(planes, (each * height + y) * width + x) * weight)
 
 
 @inlined
@@ -208,9 +200,9 @@ def _add(total: Any, k: int, values: Any, weight: Any) -> None:
 
 @inlined
 def _finish_sums(
-    total: Any, target: Any, c: int, c_end: int, x0: int, span: int, y: int, height: int, width: int
+    total: Any, blurred: Any, c: int, c_end: int, x0: int, span: int, y: int, height: int, width: int
 ) -> None:
     for each in range(c, c_end):
         for k in range(0, span, LANES):
             x = min(x0 + k, width - LANES)
-            store(target, (each * height + y) * width + x, load(total, (each - c) * COLUMNS + k))
+            store(blurred, (each * height + y) * width + x, load(total, (each - c) * COLUMNS + k))

@@ -64,13 +64,12 @@ def full(
     ``taps`` are the weights of the steps 0, 1 .. to either side of the curve, ``weights`` those of the steps along it.
     """
     _, height, width = planes.shape
-    if width < LANES:
-        return np.ascontiguousarray(full(widened(planes, 2), widened(flow, 1), taps, weights, sampling)[..., :width])
+    planes, flow = widened(planes, 2), widened(flow, 1)
     result = np.empty_like(planes)
     factors = taps.astype(np.float32), weights.astype(np.float32)
     tangents = flow.reshape(-1).view(np.complex64)
     over_rows(_full, height, planes, tangents, *factors, sampling == "nearest", frame_of(flow), result)
-    return result
+    return np.ascontiguousarray(result[..., :width])
 
 
 @kernel

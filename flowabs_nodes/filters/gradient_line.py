@@ -10,8 +10,19 @@ import numpy.typing as npt
 from flowabs_nodes.filters.arguments import Array
 from flowabs_nodes.filters.full import full
 from flowabs_nodes.filters.kernels import kernel
-from flowabs_nodes.filters.threads import over_rows
-from flowabs_nodes.filters.tiles import COLUMNS, ROWS, Tile, between, fill_lattice, place, room, short, tile, widened
+from flowabs_nodes.filters.tiles import (
+    COLUMNS,
+    ROWS,
+    Shape,
+    Tile,
+    between,
+    fill_lattice,
+    over_tiles,
+    place,
+    room,
+    short,
+    tile,
+)
 from flowabs_nodes.filters.vector import (
     LANES,
     floor,
@@ -32,21 +43,15 @@ def across(planes: Array, flow: Array, taps: npt.NDArray[np.float64]) -> Array:
 
     ``taps`` are the weights f of the steps 0, 1 .. to either side.
     """
-    _, height, width = planes.shape
-    if width < LANES:
-        return np.ascontiguousarray(across(widened(planes, 2), widened(flow, 1), taps)[..., :width])
-    result = np.empty_like(planes)
-    tangents = flow.reshape(-1).view(np.complex64)
-    if not all(over_rows(_across, height, planes, tangents, taps.astype(np.float32), result, least=ROWS)):
-        return full(planes, flow, taps, np.ones(1), "bilinear")
-    return result
+    result = over_tiles(_across, planes, flow, taps)
+    return full(planes, flow, taps, np.ones(1), "bilinear") if result is None else result
 
 
 @kernel
-def _across(first: int, last: int, planes: Any, flow: Any, taps: Any, result: Any) -> bool:
+def _across(first: int, last: int, planes: Any, shape: Shape, flow: Any, taps: Any, result: Any) -> bool:
     """Whether all tangents were short enough."""
-    channels, height, width = planes.shape
-    source, target, steps = planes.reshape(-1), result.reshape(-1), taps.size - 1
+    channels, height, width = shape
+    steps = taps.size - 1
     places, u, v = scratch(np.int32, 16), scratch(np.float32, 8), scratch(np.float32, 8)
     lattice = np.empty(room(steps, last - first, width, height), np.complex64)
     for y0 in range(first, last, ROWS):
@@ -54,7 +59,7 @@ def _across(first: int, last: int, planes: Any, flow: Any, taps: Any, result: An
             y_end, x_end = min(y0 + ROWS, last), min(x0 + COLUMNS, width)
             around = tile(x0, y0, x_end, y_end, steps, width, height)
             for c in range(channels):
-                fill_lattice(lattice, source, c * height * width, around)
+                fill_lattice(lattice, planes, c * height * width, around)
                 for y in range(y0, y_end):
                     for each in range(x0, x_end, LANES):
                         x = min(each, width - LANES)
@@ -62,14 +67,14 @@ def _across(first: int, last: int, planes: Any, flow: Any, taps: Any, result: An
                         if not short(tx, ty):
                             return False
                         at = (c * height + y) * width + x
-                        total = load(source, at) * taps[0]
+                        total = load(planes, at) * taps[0]
                         for n0 in range(1, steps + 1, _STEPS):
                             n_end = min(n0 + _STEPS, steps + 1)
                             for n in range(n0, n_end):
                                 _find(n, tx, ty, x, y, around, places, u, v, n - n0)
                             for n in range(n0, n_end):
                                 total = total + _both_sides(lattice, places, u, v, n - n0) * taps[n]
-                        store(target, at, total)
+                        store(result, at, total)
     return True
 
 

@@ -16,8 +16,10 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from flowabs_nodes.filters.arguments import Array
+from flowabs_nodes.filters.threads import over_rows
 from flowabs_nodes.filters.vector import (
     LANES,
     absolute,
@@ -36,6 +38,14 @@ ROWS, COLUMNS = 64, 128
 LONGEST = 1.25  # component of a tangent that is still about a unit vector
 
 
+class Shape(NamedTuple):
+    """Of some planes, which kernels see in one dimension."""
+
+    channels: int
+    height: int
+    width: int
+
+
 class Tile(NamedTuple):
     """The part of a picture that is copied. It begins in column and row -1 at the earliest, and ends at the last."""
 
@@ -48,10 +58,30 @@ class Tile(NamedTuple):
     height: int
 
 
+def over_tiles(kernel: Any, planes: Array, flow: Array, weights: npt.NDArray[np.float64]) -> Array | None:
+    """What ``kernel`` makes of planes (C, H, W); None where a tangent is too long for it.
+
+    Called as kernel(first, last, planes, shape, flow, weights, result), arrays in one dimension, the flow as complex
+    numbers, it returns whether none was.
+    """
+    width = planes.shape[2]
+    planes, flow = widened(planes, 2), widened(flow, 1)
+    result = np.empty_like(planes)
+    pictures = planes.reshape(-1), Shape(*planes.shape), flow.reshape(-1).view(np.complex64)
+    all_fit = all(
+        over_rows(kernel, planes.shape[1], *pictures, weights.astype(np.float32), result.reshape(-1), least=ROWS)
+    )
+    return np.ascontiguousarray(result[..., :width]) if all_fit else None
+
+
 def widened(planes: Array, axis: int) -> Array:
     """Planes at least 16 pixels wide, the border repeated: walks out there read what they would read at the border."""
-    missing = LANES - planes.shape[axis]
-    return np.pad(planes, [(0, missing if each == axis else 0) for each in range(planes.ndim)], "edge")
+    missing = max(LANES - planes.shape[axis], 0)
+    return (
+        np.pad(planes, [(0, missing if each == axis else 0) for each in range(planes.ndim)], "edge")
+        if missing
+        else planes
+    )
 
 
 @inlined
