@@ -60,20 +60,19 @@ def _along_line(
     With curvatures ``kappa``, not None, over x + s u + (kappa s^2 / 2) (-u.y, u.x).
     """
     points, size, steps = new_points(), floats_of(alpha), closeness.size - 1
-    so_far, below = scratch(np.float32, 16), row_below(picture, frame, size)  # the sums of four times sixteen pixels
+    so_far, below = scratch(np.float32, 16), row_below(frame, size)  # the sums of four times sixteen pixels
     for y in range(first, last):
         for x0 in range(0, frame.stride, _BLOCKS * LANES):
-            for block in range(_BLOCKS):
-                x = min(x0 + block * LANES, frame.stride - LANES)
-                expect(picture, smoothed, x, y, steps + 1, frame, size)
             for first_s in range(1, steps + 1, _STEPS):
                 last_s = min(first_s + _STEPS, steps + 1)
                 for block in range(_BLOCKS):
                     x = min(x0 + block * LANES, frame.stride - LANES)
                     pixel = y * frame.stride + x
                     tx, ty = load_pairs(flow, pixel)
-                    soon_read(flow, pixel + AHEAD)
-                    soon_read(flow, pixel + AHEAD + LANES // 2)
+                    if first_s == 1:
+                        expect(picture, smoothed, x, y, steps + 1, frame, size)
+                        soon_read(flow, pixel + AHEAD)
+                        soon_read(flow, pixel + AHEAD + LANES // 2)
                     ux, uy = to_doubles(tx), to_doubles(ty)
                     if across:
                         ux, uy = uy, -ux

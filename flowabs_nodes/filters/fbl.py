@@ -121,7 +121,7 @@ def _along_moves(
     smoothed: Any,
 ) -> None:
     points, size, steps = new_points(), floats_of(alpha), closeness.size - 1
-    below = row_below(picture, frame, size)
+    below = row_below(frame, size)
     for y in range(first, last):
         for x0 in range(0, frame.stride, LANES):
             x = min(x0, frame.stride - LANES)
@@ -152,7 +152,7 @@ def _along_walks(
 ) -> None:
     walks, points, size, steps = new_walks(), new_points(), floats_of(alpha), closeness.size - 1
     so_far = scratch(np.float32, 16)  # the sums of four times sixteen pixels
-    below = row_below(picture, frame, size)
+    below = row_below(frame, size)
     for y in range(first, last):
         for x0 in range(0, frame.stride, ALL // 2):
             set_out(walks, flow, x0, y, frame)

@@ -121,13 +121,13 @@ def follow(moves: Any, steps: int, x: int, y: int, frame: Frame, size: int, plac
     words = (steps + STEPS - 1) // STEPS
     along = against = (lane_numbers() + (y * frame.stride + x)) * size
     changes = _changes(frame, size)
-    for s in range(steps):
-        if s % STEPS == 0:
-            at = (y * words + s // STEPS) * 2 * frame.stride + x
-            one, other = load(moves, at), load(moves, at + frame.stride)
-            soon_read(moves, at + AHEAD)
-            soon_read(moves, at + frame.stride + AHEAD)
-        along, against = along + _first_change(changes, one), against + _first_change(changes, other)
-        one, other = one >> 4, other >> 4
-        store(places, 2 * LANES * s, along)
-        store(places, 2 * LANES * s + LANES, against)
+    for first_s in range(0, steps, STEPS):
+        at = (y * words + first_s // STEPS) * 2 * frame.stride + x
+        one, other = load(moves, at), load(moves, at + frame.stride)
+        soon_read(moves, at + AHEAD)
+        soon_read(moves, at + frame.stride + AHEAD)
+        for s in range(first_s, min(first_s + STEPS, steps)):
+            along, against = along + _first_change(changes, one), against + _first_change(changes, other)
+            one, other = one >> 4, other >> 4
+            store(places, 2 * LANES * s, along)
+            store(places, 2 * LANES * s + LANES, against)

@@ -43,9 +43,9 @@ def new_points() -> Points:
 
 
 @inlined
-def row_below(picture: Any, frame: Frame, size: int) -> Any:
-    """``picture`` from its second row on, if it has one: what is below where one reads."""
-    return picture[size * frame.stride if frame.height > 1 else 0 :]
+def row_below(frame: Frame, size: int) -> int:
+    """From a record to the one below, if there is one."""
+    return size * frame.stride if frame.height > 1 else 0
 
 
 @inlined
@@ -70,13 +70,13 @@ def find(points: Points, at: int, dx: Any, dy: Any, x: int, y: int, frame: Frame
 
 
 @inlined
-def read(picture: Any, below: Any, points: Points, at: int, bilinear: Any, alpha: Any) -> Color:
+def read(picture: Any, below: int, points: Points, at: int, bilinear: Any, alpha: Any) -> Color:
     """Bilinearly, colours count by how much is there of each. ``below`` is :func:`row_below`."""
     if bilinear is None:
         l, a, b, covered = quads_at(picture, points.place, at)  # noqa: E741
         return Color(l, a, b, covered)
     u, v = load(points.fx, at), load(points.fy, at)
-    upper, lower = _read_across(picture, points, at, u, alpha), _read_across(below, points, at, u, alpha)
+    upper, lower = _read_across(picture, points, at, u, alpha), _read_across(picture[below:], points, at, u, alpha)
     l, a, b = _mix(upper.l, lower.l, v), _mix(upper.a, lower.a, v), _mix(upper.b, lower.b, v)  # noqa: E741
     if alpha is None:
         return Color(l, a, b, upper.alpha)

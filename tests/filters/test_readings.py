@@ -21,7 +21,7 @@ SHAPES = [(9, 40), (2, 16), (1, 20), (6, 5), (5, 1), (1, 1)]
 @njit(error_model="numpy")
 def _read(picture: Any, dx: Any, dy: Any, bilinear: Any, alpha: Any, frame: Frame, out: Any) -> None:
     points, size, pixels = new_points(), floats_of(alpha), frame.height * frame.stride
-    below = row_below(picture, frame, size)
+    below = row_below(frame, size)
     for y in range(frame.height):
         for x0 in range(0, frame.stride, LANES):
             x = min(x0, frame.stride - LANES)
