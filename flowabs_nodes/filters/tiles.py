@@ -58,30 +58,27 @@ class Tile(NamedTuple):
     height: int
 
 
-def over_tiles(kernel: Any, planes: Array, flow: Array, weights: npt.NDArray[np.float64]) -> Array | None:
+def over_tiles(kernel: Any, planes: Array, flow: Array, weights: npt.NDArray[np.floating]) -> Array | None:
     """What ``kernel`` makes of planes (C, H, W); None where a tangent is too long for it.
 
-    Called as kernel(first, last, planes, shape, flow, weights, result), arrays in one dimension, the flow as complex
-    numbers, it returns whether none was.
+    It is called as kernel(first, last, planes, shape, flow, weights, result), with arrays of one dimension and the flow
+    as complex numbers, and returns whether none was.
     """
     width = planes.shape[2]
     planes, flow = widened(planes, 2), widened(flow, 1)
     result = np.empty_like(planes)
     pictures = planes.reshape(-1), Shape(*planes.shape), flow.reshape(-1).view(np.complex64)
-    all_fit = all(
-        over_rows(kernel, planes.shape[1], *pictures, weights.astype(np.float32), result.reshape(-1), least=ROWS)
-    )
-    return np.ascontiguousarray(result[..., :width]) if all_fit else None
+    weights = weights.astype(np.float32)
+    fits = over_rows(kernel, planes.shape[1], *pictures, weights, result.reshape(-1), least=ROWS)
+    return np.ascontiguousarray(result[..., :width]) if all(fits) else None
 
 
 def widened(planes: Array, axis: int) -> Array:
     """Planes at least 16 pixels wide, the border repeated: walks out there read what they would read at the border."""
-    missing = max(LANES - planes.shape[axis], 0)
-    return (
-        np.pad(planes, [(0, missing if each == axis else 0) for each in range(planes.ndim)], "edge")
-        if missing
-        else planes
-    )
+    missing = LANES - planes.shape[axis]
+    if missing <= 0:
+        return planes
+    return np.pad(planes, [(0, missing if each == axis else 0) for each in range(planes.ndim)], "edge")
 
 
 @inlined

@@ -140,6 +140,15 @@ def test_every_number_of_threads_gives_the_same_bits(each_thread_count, kernel):
         np.testing.assert_array_equal(one, other)
 
 
+@pytest.mark.parametrize("sampling", SAMPLINGS)
+def test_tiles_may_begin_in_any_row(each_thread_count, sampling):
+    image, flow = large()
+    one, *others = each_thread_count(lambda: fdog(image, flow, sampling=sampling))
+    for other in others:
+        np.testing.assert_array_equal(one, other)
+    np.testing.assert_array_equal(fdog(image[:130], flow[:130], sampling=sampling)[:100], one[:100])
+
+
 @pytest.mark.parametrize(
     ("arguments", "parameter"),
     [
