@@ -10,6 +10,7 @@ from flowabs_nodes.filters.arguments import Array
 from flowabs_nodes.filters.blur import blur
 from flowabs_nodes.filters.fdog import Detector
 from flowabs_nodes.filters.flow_blur import planes_of
+from flowabs_nodes.filters.threads import over_rows
 from flowabs_nodes.filters.threshold import threshold
 from flowabs_nodes.filters.xdog import xdog, xdog_rho
 
@@ -80,5 +81,16 @@ def fdog_iterative(
     original = planes_of(code if color_weight > 0 or code.ndim == 2 else code[..., 0])
     lines, response = draw(original)
     for _ in range(iterations - 1):
-        lines, response = draw(original * lines)
+        lines, response = draw(_inked(original, lines))
     return lines, response
+
+
+def _inked(original: Array, lines: Array) -> Array:
+    """The planes (C, H, W) in proportion to 1 - ink."""
+    picture = np.empty_like(original)
+
+    def band(first: int, last: int) -> None:
+        np.multiply(original[:, first:last], lines[first:last], out=picture[:, first:last])
+
+    over_rows(band, lines.shape[0])
+    return picture
