@@ -5,8 +5,8 @@
 Numbers beside vectors stand for sixteen of them; nothing turns into another kind by itself (:func:`to_floats`).
 
 Nearly everything here is LLVM's own vector language, which it translates for any processor, in pieces where registers
-are shorter than sixteen floats. Two operations, :func:`exp2` and :func:`look_up`, are other instructions where there is
-AVX-512 (:data:`~flowabs_nodes.filters.processor.PATH`).
+are shorter than sixteen floats. Three operations, :func:`exp2`, :func:`look_up` and :func:`rough_inverse_root`, are
+other instructions where there is AVX-512 (:data:`~flowabs_nodes.filters.processor.PATH`).
 
 Reading at scattered places is what the filters spend their time on. One load for each pixel, of a whole record of
 neighbouring floats, and shuffling these into vectors beats the processors' own gather instructions by far; and the
@@ -567,7 +567,14 @@ if PATH == "avx512":
     _scaled = _function([floats, floats], floats, lambda b, x, y: _scale(b, x, y, _nothing, _ALL, _DEFAULT))
     #: table[i & 15] for each i.
     look_up = _function([ints, ints], ints, lambda b, table, i: _permute(b, table, i))
+    #: 1 / sqrt(x), to 2^-13 of it.
+    _inverse_root = _call("llvm.x86.avx512.rsqrt14.ps.512", _FLOATS, _FLOATS, _FLOATS, _16)
+    rough_inverse_root = _function([floats], floats, lambda b, x: _inverse_root(b, x, _nothing, _ALL))
 else:
+
+    @inlined
+    def rough_inverse_root(x: Any) -> Any:
+        return 1.0 / sqrt(x)
 
     @inlined
     def _fraction(x: Any) -> Any:

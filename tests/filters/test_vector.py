@@ -131,6 +131,13 @@ def test_the_least_and_the_greatest_lane() -> None:
         assert extremes(numbers) == (numbers.min(), numbers.max())
 
 
+def test_rough_inverse_root() -> None:
+    """Its bound, over all of float32."""
+    inverse_root = kernel(lambda x, _: vector.rough_inverse_root(x))
+    for x in np.logspace(-37, 38, 320).reshape(-1, LANES).astype(np.float32):
+        np.testing.assert_allclose(inverse_root(x, x), x.astype(np.float64) ** -0.5, rtol=2.0**-13)
+
+
 def test_exp2() -> None:
     """Its bound; and far below, nothing."""
     exp2 = kernel(lambda x, _: vector.exp2(x))
