@@ -1,4 +1,7 @@
-"""How long a whole process takes, from the command to its end: cold, with nothing compiled, and warm."""
+"""How long a whole process takes, from the command to its end: cold, with nothing compiled, and warm.
+
+``python -m flowabs_nodes.bench.start [GRAPH]`` prints how long each kernel of a graph takes to compile.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,7 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import Any
 
 from flowabs_nodes.bench.timing import Spread
 from flowabs_nodes.errors import FlowabsError
@@ -51,6 +55,38 @@ def start_times() -> dict[str, Spread]:
     return {name: Spread.of(found[name]) for name in (*commands, *list(found)[:1])}
 
 
+def compile_times(graph: str) -> dict[str, float]:
+    """Processor seconds for each kernel of a graph, the longest first; in a process that has not seen numba yet."""
+    with tempfile.TemporaryDirectory(prefix="flowabs-bench-") as folder:
+        os.environ["NUMBA_CACHE_DIR"] = folder
+        from numba.core import event
+
+        from flowabs_nodes.bench.scene import scene
+        from flowabs_nodes.cli import main
+        from flowabs_nodes.image import Image
+
+        found: dict[str, float] = {}
+        began: list[float] = []  # of a kernel, then of what it is made of
+
+        class Clock(event.Listener):  # type: ignore[misc]
+            def on_start(self, event: Any) -> None:
+                began.append(time.process_time())
+
+            def on_end(self, event: Any) -> None:
+                seconds, function = time.process_time() - began.pop(), event.data["dispatcher"].py_func
+                if not began:
+                    name = f"{function.__module__}.{function.__qualname__}".removeprefix("flowabs_nodes.")
+                    found[name] = found.get(name, 0.0) + seconds
+
+        plate, made = str(Path(folder) / "plate.exr"), str(Path(folder) / "made.exr")
+        Image.from_array(scene(64, 64)).to_imagebuf().write(plate)
+        with event.install_listener("numba:compile", Clock()):
+            code = main(["run", graph, "-i", plate, "-o", made])
+        if code != 0:
+            raise FlowabsError(f"the graph {graph!r} failed", code="bench-failed")
+    return dict(sorted(found.items(), key=lambda item: -item[1]))
+
+
 def _seconds(arguments: list[str], use: dict[str, str]) -> float:
     begin = time.perf_counter()
     done = subprocess.run([sys.executable, *arguments], env=use, capture_output=True, text=True, check=False)
@@ -58,3 +94,9 @@ def _seconds(arguments: list[str], use: dict[str, str]) -> float:
     if done.returncode != 0:
         raise FlowabsError(f"{' '.join(arguments)}: {done.stderr.strip()[-2000:]}", code="bench-failed")
     return taken
+
+
+if __name__ == "__main__":
+    times = compile_times(*sys.argv[1:] or ["abstraction"])
+    for name, seconds in {**times, "all": sum(times.values())}.items():
+        print(f"{seconds:6.2f} s  {name}")

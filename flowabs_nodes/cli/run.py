@@ -83,6 +83,7 @@ def run(
     Exit codes: 0 every frame is there, 1 one is not, 2 the graph or the command is wrong, 130 and 143 stopped.
     """
     from flowabs_nodes import engine
+    from flowabs_nodes.cli.ahead import compiling_ahead
     from flowabs_nodes.cli.progress import Bar, JsonLines, Lines, on_a_terminal
     from flowabs_nodes.filters.processor import kernel_path
     from flowabs_nodes.io.settings import Settings
@@ -90,7 +91,10 @@ def run(
     kernel_path()  # what is wrong with FLOWABS_SIMD is wrong for every frame
     warn_of_missing_nodes()
     given: dict[str, Any] = {"max_pixels": max_pixels, "ocio": ocio, "root": root}
-    with (JsonLines if as_json else Bar if on_a_terminal() else Lines)() as show:
+    with (
+        (JsonLines if as_json else Bar if on_a_terminal() else Lines)() as show,
+        compiling_ahead(graph, settings),
+    ):
         try:
             report = engine.run(
                 graph,

@@ -37,6 +37,7 @@ from numba.core.compiler import CompileResult
 from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 
+from flowabs_nodes.filters import unkept
 from flowabs_nodes.filters.processor import PATH
 
 PACKAGE = "flowabs_nodes"
@@ -66,6 +67,7 @@ class KernelCache(_Cache):  # type: ignore[misc]
             found = _read(folder / name)
             if found is not None and found[0] == sig:
                 return CompileResult._rebuild(target_context, *found[1])
+        unkept.tell()
         return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
