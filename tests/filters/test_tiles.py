@@ -23,7 +23,7 @@ EDGES = [(0, 0, 41, 60), (25, 50, 41, 60), (16, 30, 32, 31), (0, 59, 16, 60)]  #
 def _read(plane: Any, columns: Any, rows: Any, u: Any, v: Any, edges: Any, out: Any) -> None:
     x, y, x_end, y_end = edges
     tile = tiles.tile(x, y, x_end, y_end, STEPS, WIDTH, HEIGHT)
-    lattice, places = np.zeros(tiles.room(STEPS, HEIGHT), np.complex64), scratch(np.int32, 1)
+    lattice, places = np.zeros(tiles.room(STEPS, HEIGHT, WIDTH, HEIGHT), np.complex64), scratch(np.int32, 1)
     tiles.fill_lattice(lattice, plane, 0, tile)
     for k in range(0, out.size, LANES):
         store(places, 0, tiles.place(load(columns, k), load(rows, k), tile))
@@ -54,7 +54,7 @@ def _walk(flow: Any, pixels: Any, x0: int, y: int, way: int, nearest: Any, dx: A
     """Values of ``pixels`` at the nearest pixel, and offsets from the corner, after each step."""
     walks = new_walks()
     tile = tiles.tile(x0, y, x0 + LANES, y + 1, STEPS, WIDTH, HEIGHT)
-    records = np.zeros(2 * tiles.room(STEPS, HEIGHT), np.complex64)
+    records = np.zeros(2 * tiles.room(STEPS, HEIGHT, WIDTH, HEIGHT), np.complex64)
     if not tiles.fill_records(records, flow, pixels, (0, 0), tile):
         return False
     tx, ty = load_pairs(flow, y * WIDTH + x0)
