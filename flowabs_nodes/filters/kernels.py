@@ -14,7 +14,6 @@ from numba import njit
 from flowabs_nodes.filters.kernel_cache import PACKAGE, KernelCache
 
 _compiled = njit(nogil=True, no_cfunc_wrapper=True, error_model="numpy", fastmath={"contract"})
-_parallel = njit(parallel=True, nogil=True, error_model="numpy", fastmath={"contract"})
 
 #: Small functions that kernels are made of: always inlined by LLVM. Python cannot call them: making that possible would
 #: take longer than all the rest.
@@ -25,15 +24,7 @@ inlined = njit(
 
 def kernel(function: Callable[..., Any]) -> Any:
     """A function of this package as a kernel: compiled when it is first called, or read from disk."""
-    return _kept(_compiled(function))
-
-
-def parallel_kernel(function: Callable[..., Any]) -> Any:
-    """A kernel that shares its ``prange`` among numba's threads."""
-    return _kept(_parallel(function))
-
-
-def _kept(dispatcher: Any) -> Any:
+    dispatcher = _compiled(function)
     # Of functions elsewhere (a test's) the cache would not see a change.
     if dispatcher.__module__.startswith(f"{PACKAGE}."):
         dispatcher._cache = KernelCache(dispatcher.py_func)
