@@ -71,6 +71,23 @@ def etf(
     ArgumentError
         For another shape or dtype, pixels that are not finite, or a parameter out of range.
     """
+    return etf_and_reference(
+        code, radius, iterations, kernel, pre_blur, gradient_reference, fill=fill, adaptive=adaptive
+    )[0]
+
+
+def etf_and_reference(
+    code: npt.ArrayLike,
+    radius: float,
+    iterations: int,
+    kernel: str,
+    pre_blur: float,
+    gradient_reference: str | float,
+    *,
+    fill: float | None,
+    adaptive: bool,
+) -> tuple[Array, float]:
+    """:func:`etf`, and the gradient that counts as full strength in it, in code values per pixel."""
     code = arguments.plane_or_planes("code", code)
     radius = arguments.number("radius", radius, min=0)
     iterations = arguments.whole("iterations", iterations, min=0)
@@ -84,9 +101,10 @@ def etf(
     tangent, magnitude = measured.gradient
     if fill is not None and not (fill == 0 and measured.everywhere):
         tangent = flow_fill(tangent, magnitude, fill, measured.largest, in_place=True)
-    if iterations == 0 or radius <= 1:
-        return tangent
     reference = gradient.reference(measured, gradient_reference)
+    if iterations == 0 or radius <= 1:
+        return tangent, reference
     sizes = radii(radius) if adaptive else [radius]
     choice = kernel_choice(code, radius).astype(np.int32) if len(sizes) > 1 else None
-    return smooth(tangent, magnitude, reference, iterations, passes(kernel, sizes, *magnitude.shape), choice)
+    flow = smooth(tangent, magnitude, reference, iterations, passes(kernel, sizes, *magnitude.shape), choice)
+    return flow, reference

@@ -29,17 +29,17 @@ def run_etf(
     image: Image,
     *,
     gradient_reference: str | float,
-    pre_blur: float,
     color: bool,
     ground: float,
     space: str,
     **etf: Any,
 ) -> Image:
+    from flowabs_nodes.filters.etf import etf_and_reference  # what numba compiles is not imported for a declaration
+
     code = image.encoded(space, ground=ground) if color else image.encoded_mono(space, ground=ground)
-    reference = filters.measure_reference(code, gradient_reference, pre_blur=pre_blur)
+    flow, reference = etf_and_reference(code, gradient_reference=gradient_reference, **etf)
     if isinstance(gradient_reference, str):
         context.note(f"gradient reference {gradient_reference} = {reference:.4g} code values/px")
-    flow = filters.etf(code, pre_blur=pre_blur, gradient_reference=reference, **etf)
     return image.with_pixels(flow, "flow")
 
 

@@ -6,6 +6,7 @@ from hypothesis.extra.numpy import arrays
 
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import etf, measure_reference, smoothing
+from flowabs_nodes.filters.etf import etf_and_reference
 from flowabs_nodes.filters.gradient import gradient
 from flowabs_nodes.filters.threads import limited
 from tests.filters.pictures import noise, photo
@@ -222,3 +223,12 @@ def test_errors_name_the_argument(parameter, value):
     with pytest.raises(ArgumentError, match=parameter) as error:
         etf(**arguments)
     assert error.value.parameter == parameter
+
+
+@pytest.mark.parametrize("iterations", [0, 1])
+def test_the_reference_that_was_used_comes_back(iterations):
+    options = {"radius": 3, "iterations": iterations, "kernel": "full", "pre_blur": 1.0, "fill": 0.0, "adaptive": False}
+    flow, reference = etf_and_reference(GREY, gradient_reference="p99", **options)
+    assert reference == measure_reference(GREY, "p99", pre_blur=1.0)
+    np.testing.assert_array_equal(flow, etf(GREY, gradient_reference="p99", **options))
+    assert etf_and_reference(GREY, gradient_reference=16, **options)[1] == 16
