@@ -375,13 +375,6 @@ def _join(builder: Any, x: Any, y: Any) -> Any:
     return _shuffle(builder, x, y, range(2 * x.type.count))
 
 
-def _in_memory(builder: Any, indices: Any) -> Any:
-    slot = cgutils.alloca_once(builder, _INTS)
-    slot.align = 64
-    builder.store(indices, slot)
-    return slot
-
-
 def _addresses(builder: Any, indices: Any) -> list[Any]:
     """Sixteen scalars from memory, two at a time: loads are what there is never enough of."""
     # An empty instruction that LLVM cannot look into: it would take the numbers out of the register after all.
@@ -396,35 +389,13 @@ def _addresses(builder: Any, indices: Any) -> list[Any]:
 
 
 def _records(context: Any, builder: Any, sig: Any, values: Any, record: Any) -> list[Any]:
-    """The record at array[i] for each of sixteen i, a vector or in memory."""
+    """The record at array[i] for each of sixteen i in memory."""
     data = context.make_array(sig.args[0])(context, builder, values[0]).data
-    if sig.args[1] is ints:
-        indices = _in_memory(builder, values[1])
-    else:
-        indices = _place(context, builder, sig.args[1], values[1], values[2], _INTS)
+    indices = _place(context, builder, sig.args[1], values[1], values[2], _INTS)
     return [
         _aligned_to_a_float(builder.load(builder.bitcast(builder.gep(data, [i]), record.as_pointer())))
         for i in _addresses(builder, indices)
     ]
-
-
-def _gather(context: Any, builder: Any, sig: Any, values: Any) -> Any:
-    result = ir.Constant(_FLOATS, ir.Undefined)
-    for lane, number in enumerate(_records(context, builder, sig, values, _F32)):
-        result = builder.insert_element(result, number, _I32(lane))
-    return result
-
-
-@intrinsic
-def gather(typingctx: Any, array: Any, indices: Any) -> Any:
-    """array[i] for each i."""
-    return floats(array, ints), _gather
-
-
-@intrinsic
-def gather_at(typingctx: Any, array: Any, places: Any, k: Any) -> Any:
-    """:func:`gather` for the i in places[k .. k + 15]."""
-    return floats(array, places, k), _gather
 
 
 def _pairs(context: Any, builder: Any, sig: Any, values: Any) -> Any:
@@ -440,14 +411,8 @@ def _pairs(context: Any, builder: Any, sig: Any, values: Any) -> Any:
 
 
 @intrinsic
-def pairs(typingctx: Any, array: Any, indices: Any) -> Any:
-    """(array[i], array[i + 1]) for each i, as two vectors."""
-    return types.UniTuple(floats, 2)(array, ints), _pairs
-
-
-@intrinsic
 def pairs_at(typingctx: Any, array: Any, places: Any, k: Any) -> Any:
-    """:func:`pairs` for the i in places[k .. k + 15]."""
+    """(array[i], array[i + 1]) for each i in places[k .. k + 15], as two vectors."""
     return types.UniTuple(floats, 2)(array, places, k), _pairs
 
 
@@ -475,14 +440,8 @@ def _transposed(builder: Any, rows: Sequence[Any]) -> list[Any]:
 
 
 @intrinsic
-def quads(typingctx: Any, array: Any, indices: Any) -> Any:
-    """(array[i], array[i + 1], array[i + 2], array[i + 3]) for each i, as four vectors."""
-    return types.UniTuple(floats, 4)(array, ints), _quads
-
-
-@intrinsic
 def quads_at(typingctx: Any, array: Any, places: Any, k: Any) -> Any:
-    """:func:`quads` for the i in places[k .. k + 15]."""
+    """(array[i], array[i + 1], array[i + 2], array[i + 3]) for each i in places[k .. k + 15], as four vectors."""
     return types.UniTuple(floats, 4)(array, places, k), _quads
 
 
@@ -592,8 +551,9 @@ else:
             slot = cgutils.alloca_once(builder, _INTS)
             builder.store(values[0], slot)
             first = builder.bitcast(slot, _I32.as_pointer())
-            masked, result = builder.and_(values[1], _constant(_INTS, 15)), ir.Constant(_INTS, ir.Undefined)
-            for lane, i in enumerate(_addresses(builder, _in_memory(builder, masked))):
+            indices, result = cgutils.alloca_once(builder, _INTS), ir.Constant(_INTS, ir.Undefined)
+            builder.store(builder.and_(values[1], _constant(_INTS, 15)), indices)
+            for lane, i in enumerate(_addresses(builder, indices)):
                 result = builder.insert_element(result, builder.load(builder.gep(first, [i])), _I32(lane))
             return result
 
