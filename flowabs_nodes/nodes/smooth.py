@@ -2,16 +2,29 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from flowabs_nodes import filters
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
 from flowabs_nodes.nodes.shared import SPACE, sampling
 
 
-def run_fbl(context: Context, image: Image, flow: Image, *, space: str, **fbl: Any) -> Image:
-    return image.with_codes(filters.fbl(image.encoded(space), flow.pixels, alpha=image.alpha, **fbl), space)
+def run_fbl(
+    context: Context,
+    image: Image,
+    flow: Image,
+    *,
+    sigma_e: float,
+    r_e: float,
+    sigma_g: float,
+    r_g: float,
+    iterations: int,
+    sampling: str,
+    space: str,
+) -> Image:
+    alpha = image.alpha
+    # Not by **: code values that nobody else wants are held by the filter alone, which can let go of them.
+    codes = filters.fbl(image.encoded(space), flow.pixels, sigma_e, r_e, sigma_g, r_g, iterations, sampling, alpha)
+    return image.with_codes(codes, space)
 
 
 FBL = Node(

@@ -195,3 +195,20 @@ def test_an_array_is_searched_for_nan_once_in_a_run(monkeypatch):
     for runs in (1, 2):
         graph.run(given={"plate": picture()}, outputs=["n2"])
         assert len(looks) == runs
+
+
+def test_code_values_that_nobody_else_wants_are_held_by_the_filter_alone(monkeypatch):
+    import weakref
+
+    from flowabs_nodes import filters
+
+    def fbl(codes, flow, *others):
+        held, result = weakref.ref(codes.base), codes.copy()
+        del codes
+        assert held() is None
+        return result
+
+    monkeypatch.setattr(filters, "fbl", fbl)
+    links = {"image": "plate", "flow": "flow"}
+    nodes = {"flow": {"type": "etf@1", "inputs": {"image": "plate"}}, "smooth": {"type": "fbl@1", "inputs": links}}
+    load_graph(graphs.load(document(**nodes))).run(given={"plate": picture()}, outputs=["smooth"])
