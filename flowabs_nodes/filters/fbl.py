@@ -123,18 +123,21 @@ def _along_moves(
     points, size, steps = new_points(), floats_of(alpha), closeness.size - 1
     below = row_below(frame, size)
     for y in range(first, last):
-        for x0 in range(0, frame.stride, LANES):
-            x = min(x0, frame.stride - LANES)
-            pixel = y * frame.stride + x
-            expect(picture, smoothed, x, y, steps + 1, frame, size)
-            follow(moves, steps, x, y, frame, size, points.place)
-            centre = color(picture, pixel, alpha)
-            sums = only(centre)
-            for s in range(1, steps + 1):
-                for way in range(2):
-                    there = read(picture, below, points, (2 * s - 2 + way) * LANES, None, alpha)
-                    sums = add(sums, centre, there, closeness[s], falloff, alpha)
-            mean(sums, centre, smoothed, pixel, alpha)
+        for x0 in range(0, frame.stride, 2 * LANES):
+            for block in range(2):
+                x = min(x0 + block * LANES, frame.stride - LANES)
+                expect(picture, smoothed, x, y, steps + 1, frame, size)
+                follow(moves, steps, x, y, frame, size, points.place, block * 2 * steps * LANES)
+            for block in range(2):
+                pixel = y * frame.stride + min(x0 + block * LANES, frame.stride - LANES)
+                centre = color(picture, pixel, alpha)
+                sums = only(centre)
+                for s in range(1, steps + 1):
+                    for way in range(2):
+                        at = (2 * (block * steps + s - 1) + way) * LANES
+                        there = read(picture, below, points, at, None, alpha)
+                        sums = add(sums, centre, there, closeness[s], falloff, alpha)
+                mean(sums, centre, smoothed, pixel, alpha)
 
 
 @kernel

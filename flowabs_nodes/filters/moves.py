@@ -116,18 +116,24 @@ else:
 
 
 @inlined
-def follow(moves: Any, steps: int, x: int, y: int, frame: Frame, size: int, places: Any) -> None:
-    """Write the places of the records at each step, by turns along and against the flow, to ``places``."""
-    words = (steps + STEPS - 1) // STEPS
+def follow(moves: Any, steps: int, x: int, y: int, frame: Frame, size: int, places: Any, at: int) -> None:
+    """Write the places of the records at each step, by turns along and against the flow, to ``places`` from [at] on."""
     along = against = (lane_numbers() + (y * frame.stride + x)) * size
     changes = _changes(frame, size)
-    for first_s in range(0, steps, STEPS):
-        at = (y * words + first_s // STEPS) * 2 * frame.stride + x
-        one, other = load(moves, at), load(moves, at + frame.stride)
-        soon_read(moves, at + AHEAD)
-        soon_read(moves, at + frame.stride + AHEAD)
-        for s in range(first_s, min(first_s + STEPS, steps)):
-            along, against = along + _first_change(changes, one), against + _first_change(changes, other)
-            one, other = one >> 4, other >> 4
-            store(places, 2 * LANES * s, along)
-            store(places, 2 * LANES * s + LANES, against)
+    word = y * ((steps + STEPS - 1) // STEPS) * 2 * frame.stride + x
+    one, other = _words(moves, word, frame)
+    for s in range(steps):
+        if s == STEPS:  # of MOST_STEPS: there is no third word
+            one, other = _words(moves, word + 2 * frame.stride, frame)
+        along, against = along + _first_change(changes, one), against + _first_change(changes, other)
+        one, other = one >> 4, other >> 4
+        store(places, at + 2 * LANES * s, along)
+        store(places, at + 2 * LANES * s + LANES, against)
+
+
+@inlined
+def _words(moves: Any, word: int, frame: Frame) -> Any:
+    """Those of both ways."""
+    soon_read(moves, word + AHEAD)
+    soon_read(moves, word + frame.stride + AHEAD)
+    return load(moves, word), load(moves, word + frame.stride)

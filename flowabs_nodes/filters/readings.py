@@ -30,7 +30,7 @@ AHEAD = 128  # pixels: what is fetched while these are worked on
 
 
 class Points(NamedTuple):
-    """Of 32 readings, where the record is, and how far beyond its pixel the point."""
+    """Of up to 64 readings, where the record is, and how far beyond its pixel the point."""
 
     place: Any
     fx: Any
@@ -39,7 +39,7 @@ class Points(NamedTuple):
 
 @inline
 def new_points() -> Points:
-    return Points(scratch(np.int32, 32), scratch(np.float32, 32), scratch(np.float32, 32))
+    return Points(scratch(np.int32, 64), scratch(np.float32, 64), scratch(np.float32, 64))
 
 
 @inlined

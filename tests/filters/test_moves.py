@@ -27,13 +27,13 @@ FLOWS = {
 @njit
 def _places(moves: Any, steps: int, frame: Frame, size: int, out: Any) -> None:
     """Of all steps and ways."""
-    kept, pixels = scratch(np.int32, 32), frame.height * frame.stride
+    kept, pixels = scratch(np.int32, 33), frame.height * frame.stride
     for y in range(frame.height):
         for x0 in range(0, frame.stride, LANES):
             x = min(x0, frame.stride - LANES)
-            follow(moves, steps, x, y, frame, size, kept)
+            follow(moves, steps, x, y, frame, size, kept, LANES)
             for k in range(2 * steps):
-                store(out, k * pixels + y * frame.stride + x, load(kept, k * LANES))
+                store(out, k * pixels + y * frame.stride + x, load(kept, (k + 1) * LANES))
 
 
 def written(flow: npt.NDArray[np.float32], steps: int) -> npt.NDArray[np.int32] | None:
