@@ -22,12 +22,13 @@ from flowabs_nodes.filters.similarity import (
     color,
     falloff,
     floats_of,
-    in_turn,
     keep,
     kept,
     mean,
+    on_records,
     only,
     partial_coverage,
+    records_of,
 )
 from flowabs_nodes.filters.threads import over_rows
 from flowabs_nodes.filters.vector import LANES, load, scratch
@@ -89,7 +90,9 @@ def fbl(
         passes.append(_pass_along(flow, sigma_e, r_e, bilinear, covered, frame))
     if sigma_g > 0:
         passes.append(pass_on_lines(flow, True, None, sigma_g, r_g, bilinear, covered, frame))
-    return in_turn(codes, covered, frame, passes, iterations)
+    picture = records_of(codes, covered, frame)
+    del codes  # their memory is free for the passes if nobody else holds them
+    return on_records(picture, frame, passes, iterations)
 
 
 def _pass_along(flow: Array, sigma: float, r: float, bilinear: bool, alpha: Array | None, frame: Frame) -> Pass:

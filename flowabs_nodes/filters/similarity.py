@@ -59,19 +59,31 @@ def partial_coverage(alpha: npt.ArrayLike | None, codes: Array) -> Array | None:
 
 def in_turn(codes: Array, alpha: Array | None, frame: Frame, passes: list[Pass], iterations: int) -> Array:
     """``codes`` after each of the passes in turn, ``iterations`` times."""
-    pixels = frame.height * frame.stride
-    picture, smoothed = (np.empty(pixels * (3 if alpha is None else 4) + 2, np.float32) for _ in range(2))
-    picture[-2:] = smoothed[-2:] = 0
+    return on_records(records_of(codes, alpha, frame), frame, passes, iterations)
+
+
+def records_of(codes: Array, alpha: Array | None, frame: Frame) -> Array:
+    """A picture as kernels read it."""
+    picture = np.empty(frame.height * frame.stride * (3 if alpha is None else 4) + 2, np.float32)
+    picture[-2:] = 0
     given = padded(codes, frame)
     if alpha is None:
         over_rows(lambda first, last: np.copyto(picture[first:last], given[first:last]), given.size)
     else:
         over_rows(_join, frame.height, given, padded(alpha, frame), frame, picture)
+    return picture
+
+
+def on_records(picture: Array, frame: Frame, passes: list[Pass], iterations: int) -> Array:
+    """The code values that are left of a picture after the passes; its memory is theirs to write in."""
+    pixels = frame.height * frame.stride
+    smoothed = np.empty_like(picture)
+    smoothed[-2:] = 0
     for _ in range(iterations):
         for smooth in passes:
             smooth(picture, smoothed)
             picture, smoothed = smoothed, picture
-    if alpha is None:
+    if picture.size < 4 * pixels:
         result = picture[: 3 * pixels]
     else:
         result = smoothed[: 3 * pixels]  # its memory is free now
