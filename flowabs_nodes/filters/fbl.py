@@ -123,6 +123,7 @@ def _along_moves(
     frame: Frame,
     smoothed: Any,
 ) -> None:
+    """Eq. 12 along walks that are written down, two times sixteen pixels at a time."""
     points, size, steps = new_points(), floats_of(alpha), closeness.size - 1
     below = row_below(frame, size)
     for y in range(first, last):
@@ -156,6 +157,7 @@ def _along_walks(
     frame: Frame,
     smoothed: Any,
 ) -> None:
+    """Eq. 12 along walks as they are taken."""
     walks, points, size, steps = new_walks(), new_points(), floats_of(alpha), closeness.size - 1
     so_far = scratch(np.float32, 16)  # the sums of four times sixteen pixels
     below = row_below(frame, size)
