@@ -1,9 +1,10 @@
-"""The kernels that the ETF sums over, and how sums over them go down a picture.
+"""The kernels that the ETF sums over, and how sums over them go down and along a picture.
 
-A kernel is columns: the pixels (dx, dy) with \\|dy\\| <= v(dx). Columns of the same height are a group. The running sum
-of a group and a column of the picture is that of the row above, plus the pixel v below, minus the one v + 1 above
-(:func:`slide`); the kernel's sum at x is that of the running sums at x + dx, each of its own group (:func:`gather`).
-In integers nothing drifts: the sums are the same bits wherever one begins.
+A kernel is rows: the pixels (dx, dy) with \\|dx\\| <= m(dy). Rows of the same m are a group, and are summed first:
+those in the middle as a running sum, that of the row above plus the pixel v below, minus the one v + 1 above; the
+others row by row. The kernel's sum at x is that at x - 1, plus the groups' sums m to the right, minus those m + 1 to
+the left. In integers nothing drifts: the sums are the same bits wherever one begins, and what overflows on the
+way comes back.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from flowabs_nodes.filters.kernels import kernel
-from flowabs_nodes.filters.vector import LANES, load, same_ints, store
+from flowabs_nodes.filters.vector import LANES, last_lane, load, prefix_sums, same_ints, store
 
 Int32 = npt.NDArray[np.int32]
 Int64 = npt.NDArray[np.int64]
@@ -26,14 +27,11 @@ ROWS = 4  # that are done together: neighbouring rows read nearly the same, and 
 
 
 class Passes(NamedTuple):
-    """The passes of one iteration, and in each the kernels of every size."""
+    """The passes of one iteration, and in each the groups of the kernels of every size."""
 
     reach: Int64  # (passes, 2): how far it reaches to the side, and up and down
-    first_group: Int64  # (passes + 1,)
-    height: Int64  # v of each group
-    first_tap: Int64  # (passes, sizes + 1)
-    group: Int64  # of each tap, counted from the first group of the pass
-    dx: Int64  # of each tap
+    first: Int64  # (passes, sizes + 1): the first group
+    groups: Int64  # m and the rows dy, from the first to the last, of each group: 0 to v of the middle one
     pixels: int  # of the largest kernel
 
 
@@ -41,51 +39,36 @@ def passes(kernel: str, radii: list[float], height: int, width: int) -> Passes:
     """Of an iteration on a picture of this size: "full", a disc, or "separable", a row, then a column."""
     shapes = [[_disc(r, height, width)] if kernel == "full" else _cross(r, height, width) for r in radii]
     reach: list[tuple[int, int]] = []
-    heights: list[int] = []
-    group: list[int] = []
-    dx: list[int] = []
-    first_group, first_tap, pixels = [0], [], 1
+    groups: list[tuple[int, int, int]] = []
+    first: list[list[int]] = []
     for sizes in zip(*shapes, strict=True):
-        reach.append((max(len(v) for v in sizes) - 1, max(v[0] for v in sizes)))
-        taps = [len(dx)]
-        for v in sizes:
-            columns = range(1 - len(v), len(v))
-            for k in columns:
-                if v[abs(k)] not in heights[first_group[-1] :]:
-                    heights.append(v[abs(k)])
-                group.append(heights.index(v[abs(k)], first_group[-1]) - first_group[-1])
-                dx.append(k)
-            taps.append(len(dx))
-            pixels = max(pixels, sum(2 * v[abs(k)] + 1 for k in columns))
-        first_group.append(len(heights))
-        first_tap.append(taps)
-    return Passes(
-        np.array(reach),
-        np.array(first_group),
-        np.array(heights),
-        np.array(first_tap),
-        np.array(group),
-        np.array(dx),
-        pixels,
-    )
+        reach.append((max(m[0] for m in sizes), max(len(m) for m in sizes) - 1))
+        first.append([len(groups)])
+        for m in sizes:
+            for width_of in sorted(set(m), reverse=True):
+                rows = [dy for dy in range(len(m)) if m[dy] == width_of]
+                groups.append((width_of, rows[0], rows[-1]))
+            first[-1].append(len(groups))
+    pixels = max(sum(2 * k + 1 for k in m) * 2 - (2 * m[0] + 1) for sizes in shapes for m in sizes)
+    return Passes(np.array(reach), np.array(first), np.array(groups), pixels)
 
 
 def _disc(radius: float, height: int, width: int) -> list[int]:
-    """Eq. 2: v(0), v(1) .. of the pixels with dx^2 + dy^2 < radius^2, as far as a picture of this size has them."""
+    """Eq. 2: m(0), m(1) .. of the pixels with dx^2 + dy^2 < radius^2, as far as a picture of this size has them."""
     radius = min(radius, math.hypot(height, width) + 1)
-    columns = []
-    for k in range(min(_steps(radius), width - 1) + 1):
-        v = _steps(math.sqrt(radius * radius - k * k))
-        v += k * k + (v + 1) ** 2 < radius * radius  # the root may round either way
-        v -= k * k + v * v >= radius * radius
-        columns.append(min(v, height - 1))
-    return columns
+    rows = []
+    for k in range(min(_steps(radius), height - 1) + 1):
+        m = _steps(math.sqrt(radius * radius - k * k))
+        m += k * k + (m + 1) ** 2 < radius * radius  # the root may round either way
+        m -= k * k + m * m >= radius * radius
+        rows.append(min(m, width - 1))
+    return rows
 
 
 def _cross(radius: float, height: int, width: int) -> list[list[int]]:
     """A row and a column of the pixels with \\|d\\| < radius."""
     radius = min(radius, height + width)
-    return [[0] * (min(_steps(radius), width - 1) + 1), [min(_steps(radius), height - 1)]]
+    return [[min(_steps(radius), width - 1)], [0] * (min(_steps(radius), height - 1) + 1)]
 
 
 def _steps(radius: float) -> int:
@@ -94,69 +77,77 @@ def _steps(radius: float) -> int:
 
 
 @kernel
-def enter_and_leave(height: Int64, y: int, depth: int, row: int, entering: Int64, leaving: Int64) -> None:
-    """Where in a ring of ``depth`` rows those are that enter and leave the running sums of rows y .. y + 3."""
-    for j in range(height.size):
-        for k in range(ROWS):
-            entering[j, k] = (y + k + height[j]) % depth * row
-            leaving[j, k] = (y + k - height[j] - 1) % depth * row
-
-
-@kernel
-def slide(
+def sum_over_kernels(
     words: Int32,
-    entering: Int64,
-    leaving: Int64,
+    rows: Int64,
+    middle: int,
     planes: int,
-    groups: int,
+    groups: Int64,
+    first: Int64,
     running: Int32,
-    most: int,
-    start: int,
-    end: int,
-    columns: int,
-) -> None:
-    """The running sums of rows y .. y + 3, from that of row y - 1, at the columns ``start`` .. ``end`` - 1.
-
-    ``running`` has four rows of ``columns`` for each group, and room for ``most`` groups in each plane.
-    """
-    for plane in range(planes):
-        for j in range(groups):
-            for k in range(0, ROWS, 2):  # by two: more addresses than registers would be slower
-                into = ((plane * most + j) * ROWS + k) * columns
-                before = ((plane * most + j) * ROWS + (k - 1) % ROWS) * columns
-                b0, b1 = plane * columns + entering[j, k], plane * columns + entering[j, k + 1]
-                a0, a1 = plane * columns + leaving[j, k], plane * columns + leaving[j, k + 1]
-                for x in range(start, end, LANES):
-                    s0 = load(running, before + x) + (load(words, b0 + x) - load(words, a0 + x))
-                    s1 = s0 + (load(words, b1 + x) - load(words, a1 + x))
-                    store(running, into + x, s0)
-                    store(running, into + columns + x, s1)
-
-
-@kernel
-def gather(
-    running: Int32,
-    place: Int64,
-    taps: Int64,
-    planes: int,
-    most: int,
     sums: Int32,
+    before: int,
     start: int,
     end: int,
     columns: int,
 ) -> None:
-    """The sums over the kernels in these four rows, from the running sums at their taps: by size, plane and row."""
-    for size in range(taps.size - 1):
-        for plane in range(planes):
-            of, into = plane * most * ROWS * columns, (size * PLANES + plane) * ROWS * columns
-            for x in range(start, end, LANES):
-                s0, s1, s2, s3 = same_ints(0), same_ints(0), same_ints(0), same_ints(0)
-                for k in range(taps[size], taps[size + 1]):
-                    i = place[u(k)] + (of + x)
-                    s0, s1 = s0 + load(running, i), s1 + load(running, i + columns)
-                    s2, s3 = s2 + load(running, i + 2 * columns), s3 + load(running, i + 3 * columns)
-                i = into + x
-                store(sums, i, s0)
-                store(sums, i + columns, s1)
-                store(sums, i + 2 * columns, s2)
-                store(sums, i + 3 * columns, s3)
+    """The sums of rows y .. y + 3 over the kernels, by size, plane and row, at the columns ``start`` .. ``end`` - 1.
+
+    Row y + dy of what is summed is at ``words[rows[middle + dy]]``; left of the column ``before`` there is nothing.
+    ``running[plane, group]`` has four rows of the groups' sums, at first of y - 4 .. y - 1, then of y .. y + 3.
+    """
+    reach = np.max(groups[first[0] : first[first.size - 1], 0])
+    room = running.shape[2] // ROWS
+    pad = room - columns - LANES
+    right, left = np.empty(groups.shape[0], np.int64), np.empty(groups.shape[0], np.int64)
+    for j in range(first[0], first[first.size - 1]):
+        right[j] = pad + ROWS * room * (j - first[0]) + groups[j, 0]
+        left[j] = right[j] - 2 * groups[j, 0] - 1
+    for plane in range(planes):
+        o = plane * columns
+        for j in range(first[0], first[first.size - 1]):
+            down = running[plane, j - first[0]]
+            for k in range(0, ROWS, 2):  # by two: more addresses than registers would be slower
+                into, last = k * room + pad, (k - 1) % ROWS * room + pad
+                top, bottom = groups[j, 1], groups[j, 2]
+                if top == 0:
+                    b0, b1 = o + rows[middle + k + bottom], o + rows[middle + k + bottom + 1]
+                    a0, a1 = o + rows[middle + k - bottom - 1], o + rows[middle + k - bottom]
+                    for x in range(before, end + reach, LANES):
+                        s0 = load(down, last + x) + (load(words, b0 + x) - load(words, a0 + x))
+                        s1 = s0 + (load(words, b1 + x) - load(words, a1 + x))
+                        store(down, into + x, s0)
+                        store(down, into + room + x, s1)
+                else:
+                    for dy in range(top, bottom + 1):
+                        b0, b1 = o + rows[middle + k + dy], o + rows[middle + k + dy + 1]
+                        a0, a1 = o + rows[middle + k - dy], o + rows[middle + k - dy + 1]
+                        for x in range(before, end + reach, LANES):
+                            s0, s1 = (
+                                load(words, b0 + x) + load(words, a0 + x),
+                                load(words, b1 + x) + load(words, a1 + x),
+                            )
+                            if dy > top:
+                                s0, s1 = s0 + load(down, into + x), s1 + load(down, into + room + x)
+                            store(down, into + x, s0)
+                            store(down, into + room + x, s1)
+        of_plane = running[plane].reshape(-1)
+        for size in range(first.size - 1):
+            into = (size * PLANES + plane) * ROWS * columns
+            s0, s1, s2, s3 = same_ints(0), same_ints(0), same_ints(0), same_ints(0)
+            for x in range(start - (start - before + reach + LANES - 1) // LANES * LANES, end, LANES):
+                e0, e1, e2, e3 = same_ints(0), same_ints(0), same_ints(0), same_ints(0)
+                for j in range(first[size], first[size + 1]):
+                    i, out = x + right[u(j)], x + left[u(j)]
+                    e0 = e0 + (load(of_plane, i) - load(of_plane, out))
+                    e1 = e1 + (load(of_plane, i + room) - load(of_plane, out + room))
+                    e2 = e2 + (load(of_plane, i + 2 * room) - load(of_plane, out + 2 * room))
+                    e3 = e3 + (load(of_plane, i + 3 * room) - load(of_plane, out + 3 * room))
+                s0, s1 = last_lane(s0) + prefix_sums(e0), last_lane(s1) + prefix_sums(e1)
+                s2, s3 = last_lane(s2) + prefix_sums(e2), last_lane(s3) + prefix_sums(e3)
+                if x >= start:
+                    i = into + x
+                    store(sums, i, s0)
+                    store(sums, i + columns, s1)
+                    store(sums, i + 2 * columns, s2)
+                    store(sums, i + 3 * columns, s3)

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from flowabs_nodes.filters.arguments import Array
-from flowabs_nodes.filters.disc import PLANES, ROWS, Int32, Int64, Passes, enter_and_leave, gather, slide
+from flowabs_nodes.filters.disc import PLANES, ROWS, Int32, Int64, Passes, sum_over_kernels
 from flowabs_nodes.filters.kernels import inlined, kernel
 from flowabs_nodes.filters.threads import count, over_rows
 from flowabs_nodes.filters.vector import (
@@ -132,7 +132,7 @@ def _smooth(
     smoothed: Array,
 ) -> None:
     """The tiles ``first`` .. ``last`` - 1."""
-    kinds, sizes = passes.first_tap.shape[0], passes.first_tap.shape[1] - 1
+    kinds, sizes = passes.first.shape[0], passes.first.shape[1] - 1
     steps = kinds * iterations
     # How far the passes from p on reach together: so much more than the tile have those before to cover.
     beyond = np.zeros((steps + 1, 2), np.int64)
@@ -141,16 +141,16 @@ def _smooth(
     margin = _whole(beyond[0, 0]) + LANES
     columns = _whole(np.max(tiles[:, 1] - tiles[:, 0])) + 2 * margin
     depth, kept = 2 * int(np.max(passes.reach[:, 1])) + 1 + ROWS, int(beyond[0, 1]) + ROWS
-    groups = np.max(passes.first_group[1:] - passes.first_group[:-1])
+    groups = np.max(passes.first[:, sizes] - passes.first[:, 0])
+    room = 2 * _whole(np.max(passes.reach[:, 0])) + columns + 2 * LANES
     words = _aligned(steps * depth * PLANES * columns)
     by_step = words.reshape(steps, depth * PLANES * columns)
-    running = _aligned(steps * PLANES * groups * ROWS * columns).reshape(steps, PLANES * groups * ROWS * columns)
+    running = _aligned(steps * PLANES * groups * ROWS * room).reshape(steps, PLANES, groups, ROWS * room)
     sums = _aligned(sizes * PLANES * ROWS * columns)
     tangents = _aligned(steps * kept * 2 * columns).view(np.float32)
     trace = _aligned(kinds * kept * columns).view(np.float32)
-    place = passes.group * (ROWS * columns) + passes.dx
+    rows = np.empty(depth, np.int64)
     memory = Memory(words, sums, tangents, trace)
-    entering, leaving = np.empty((groups, ROWS), np.int64), np.empty((groups, ROWS), np.int64)
     for tile in range(first, last):
         left, right, top, bottom = tiles[tile]
         words[:] = 0
@@ -167,18 +167,28 @@ def _smooth(
                 y0 -= passes.reach[kind, 1]
                 first_row, last_row = max(top - beyond[p + 1, 1], 0), min(bottom + beyond[p + 1, 1], field.height)
                 start, end = max(left - _whole(beyond[p + 1, 0]), 0), min(right + beyond[p + 1, 0], field.width)
-                heights = passes.height[passes.first_group[kind] : passes.first_group[kind + 1]]
-                reach = _whole(passes.reach[kind, 0])
                 x0, x1 = layout.origin + start, layout.origin + start + _whole(end - start)
-                enter_and_leave(heights, y0, depth, PLANES * columns, entering, leaving)
+                before = layout.origin + max(left - _whole(beyond[p, 0]), 0)
+                middle = passes.reach[kind, 1] + 1
+                for d in range(2 * middle + ROWS - 1):
+                    rows[d] = (y0 + d - middle) % depth * PLANES * columns
                 planes = 4 if p >= kinds else 5 if fixed.trace_bit > 0 else PLANES
-                down = running[p]
-                slide(
-                    by_step[p], entering, leaving, planes, heights.size, down, groups, x0 - reach, x1 + reach, columns
+                sum_over_kernels(
+                    by_step[p],
+                    rows,
+                    middle,
+                    planes,
+                    passes.groups,
+                    passes.first[kind],
+                    running[p],
+                    sums,
+                    before,
+                    x0,
+                    x1,
+                    columns,
                 )
-                gather(down, place, passes.first_tap[kind], planes, groups, sums, x0, x1, columns)
-                rows = max(y0, first_row), min(y0 + ROWS, last_row)
-                _turn(p, kinds, steps, sizes, y0, rows, start, end, field, fixed, memory, layout, smoothed)
+                ready = max(y0, first_row), min(y0 + ROWS, last_row)
+                _turn(p, kinds, steps, sizes, y0, ready, start, end, field, fixed, memory, layout, smoothed)
                 if y0 + ROWS <= first_row:
                     break  # the next pass has nothing to read yet
                 if p + 1 < steps:

@@ -243,6 +243,27 @@ def nearest_ints(typingctx: Any, x: Any) -> Any:
 
 
 @intrinsic
+def prefix_sums(typingctx: Any, x: Any) -> Any:
+    """Of ints: in each lane the sum of all up to it."""
+
+    def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
+        total = values[0]
+        for step in (1, 2, 4, 8):
+            moved = _shuffle(builder, _constant(_INTS, 0), total, range(LANES - step, 2 * LANES - step))
+            total = builder.add(total, moved)
+        return total
+
+    return ints(ints), generate
+
+
+@intrinsic
+def last_lane(typingctx: Any, x: Any) -> Any:
+    """Ints of what is in the last lane."""
+    last = [LANES - 1] * LANES
+    return ints(ints), lambda context, builder, sig, values: _shuffle(builder, values[0], values[0], last)
+
+
+@intrinsic
 def select(typingctx: Any, where: Any, then: Any, otherwise: Any) -> Any:
     """``then`` in the lanes of the mask, ``otherwise`` in the others."""
     kind = then if isinstance(then, Vector) else otherwise

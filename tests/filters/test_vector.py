@@ -246,6 +246,11 @@ def test_look_up_in_a_table_of_sixteen() -> None:
     np.testing.assert_array_equal(kernel(lambda table, i: vector.look_up(table, i))(M, N), M[N & 15])
 
 
+def test_sums_along_the_lanes() -> None:
+    np.testing.assert_array_equal(kernel(lambda i, _: vector.prefix_sums(i))(M, M), np.cumsum(M))
+    np.testing.assert_array_equal(kernel(lambda i, _: vector.last_lane(i))(M, M), np.full(LANES, M[-1]))
+
+
 def test_lanes_are_numbered() -> None:
     np.testing.assert_array_equal(kernel(lambda i, _: i * 0 + lane_numbers())(M, M), np.arange(LANES))
 
