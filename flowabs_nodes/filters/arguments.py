@@ -122,8 +122,8 @@ def _array(name: str, value: npt.ArrayLike, shapes: str, fits: Any, looks: bool 
         raise ArgumentError(
             f"{name}: expected shape {shapes} with at least one pixel, found {array.shape}", parameter=name
         )
-    if array.shape[0] * array.shape[1] >= 2**31:
-        raise ArgumentError(f"{name}: expected fewer than 2^31 pixels, found {array.shape}", parameter=name)
+    if array.shape[0] * array.shape[1] >= 2**29:  # four floats each are counted with int32
+        raise ArgumentError(f"{name}: expected fewer than 2^29 pixels, found {array.shape}", parameter=name)
     with np.errstate(over="ignore"):  # numbers beyond float32 become Inf
         result: Array = np.ascontiguousarray(array, np.float32)
     if not looks and not is_finite(result):
