@@ -63,6 +63,7 @@ def compile_times(graph: str) -> dict[str, float]:
 
         from flowabs_nodes.bench.scene import scene
         from flowabs_nodes.cli import main
+        from flowabs_nodes.filters.threads import limited
         from flowabs_nodes.image import Image
 
         found: dict[str, float] = {}
@@ -79,8 +80,8 @@ def compile_times(graph: str) -> dict[str, float]:
                     found[name] = found.get(name, 0.0) + seconds
 
         plate, made = str(Path(folder) / "plate.exr"), str(Path(folder) / "made.exr")
-        Image.from_array(scene(64, 64)).to_imagebuf().write(plate)
-        with event.install_listener("numba:compile", Clock()):
+        Image.from_array(scene(SIZE, SIZE)).to_imagebuf().write(plate)
+        with event.install_listener("numba:compile", Clock()), limited(1):  # one process compiles all
             code = main(["run", graph, "-i", plate, "-o", made])
         if code != 0:
             raise FlowabsError(f"the graph {graph!r} failed", code="bench-failed")
