@@ -84,7 +84,12 @@ def sum_over_kernels(
     planes: int,
     groups: Int64,
     first: Int64,
+    ends: Int64,
     running: Int32,
+    down: int,
+    most: int,
+    room: int,
+    pad: int,
     sums: Int32,
     before: int,
     start: int,
@@ -94,30 +99,27 @@ def sum_over_kernels(
     """The sums of rows y .. y + 3 over the kernels, by size, plane and row, at the columns ``start`` .. ``end`` - 1.
 
     Row y + dy of what is summed is at ``words[rows[middle + dy]]``; left of the column ``before`` there is nothing.
-    ``running[plane, group]`` has four rows of the groups' sums, at first of y - 4 .. y - 1, then of y .. y + 3.
+    From ``running[down]`` on, for each plane and each of ``most`` groups, there are four rows of the groups' sums, at
+    first of y - 4 .. y - 1, then of y .. y + 3; ``ends[group]``: where those to the right and left begin.
     """
-    reach = np.max(groups[first[0] : first[first.size - 1], 0])
-    room = running.shape[2] // ROWS
-    pad = room - columns - LANES
-    right, left = np.empty(groups.shape[0], np.int64), np.empty(groups.shape[0], np.int64)
+    reach = 0
     for j in range(first[0], first[first.size - 1]):
-        right[j] = pad + ROWS * room * (j - first[0]) + groups[j, 0]
-        left[j] = right[j] - 2 * groups[j, 0] - 1
+        reach = max(reach, groups[j, 0])
     for plane in range(planes):
-        o = plane * columns
+        o, of_plane = plane * columns, down + plane * most * ROWS * room
         for j in range(first[0], first[first.size - 1]):
-            down = running[plane, j - first[0]]
+            of_group = of_plane + (j - first[0]) * ROWS * room + pad
             for k in range(0, ROWS, 2):  # by two: more addresses than registers would be slower
-                into, last = k * room + pad, (k - 1) % ROWS * room + pad
+                into, last = of_group + k * room, of_group + (k - 1) % ROWS * room
                 top, bottom = groups[j, 1], groups[j, 2]
                 if top == 0:
                     b0, b1 = o + rows[middle + k + bottom], o + rows[middle + k + bottom + 1]
                     a0, a1 = o + rows[middle + k - bottom - 1], o + rows[middle + k - bottom]
                     for x in range(before, end + reach, LANES):
-                        s0 = load(down, last + x) + (load(words, b0 + x) - load(words, a0 + x))
+                        s0 = load(running, last + x) + (load(words, b0 + x) - load(words, a0 + x))
                         s1 = s0 + (load(words, b1 + x) - load(words, a1 + x))
-                        store(down, into + x, s0)
-                        store(down, into + room + x, s1)
+                        store(running, into + x, s0)
+                        store(running, into + room + x, s1)
                 else:
                     for dy in range(top, bottom + 1):
                         b0, b1 = o + rows[middle + k + dy], o + rows[middle + k + dy + 1]
@@ -128,21 +130,20 @@ def sum_over_kernels(
                                 load(words, b1 + x) + load(words, a1 + x),
                             )
                             if dy > top:
-                                s0, s1 = s0 + load(down, into + x), s1 + load(down, into + room + x)
-                            store(down, into + x, s0)
-                            store(down, into + room + x, s1)
-        of_plane = running[plane].reshape(-1)
+                                s0, s1 = s0 + load(running, into + x), s1 + load(running, into + room + x)
+                            store(running, into + x, s0)
+                            store(running, into + room + x, s1)
         for size in range(first.size - 1):
             into = (size * PLANES + plane) * ROWS * columns
             s0, s1, s2, s3 = same_ints(0), same_ints(0), same_ints(0), same_ints(0)
             for x in range(start - (start - before + reach + LANES - 1) // LANES * LANES, end, LANES):
                 e0, e1, e2, e3 = same_ints(0), same_ints(0), same_ints(0), same_ints(0)
                 for j in range(first[size], first[size + 1]):
-                    i, out = x + right[u(j)], x + left[u(j)]
-                    e0 = e0 + (load(of_plane, i) - load(of_plane, out))
-                    e1 = e1 + (load(of_plane, i + room) - load(of_plane, out + room))
-                    e2 = e2 + (load(of_plane, i + 2 * room) - load(of_plane, out + 2 * room))
-                    e3 = e3 + (load(of_plane, i + 3 * room) - load(of_plane, out + 3 * room))
+                    i, out = of_plane + x + ends[u(j), u(0)], of_plane + x + ends[u(j), u(1)]
+                    e0 = e0 + (load(running, i) - load(running, out))
+                    e1 = e1 + (load(running, i + room) - load(running, out + room))
+                    e2 = e2 + (load(running, i + 2 * room) - load(running, out + 2 * room))
+                    e3 = e3 + (load(running, i + 3 * room) - load(running, out + 3 * room))
                 s0, s1 = last_lane(s0) + prefix_sums(e0), last_lane(s1) + prefix_sums(e1)
                 s2, s3 = last_lane(s2) + prefix_sums(e2), last_lane(s3) + prefix_sums(e3)
                 if x >= start:

@@ -160,10 +160,13 @@ def _gradient(
             store(magnitude, i, m)
             largest = maximum(largest, m)
             shortest = minimum(shortest, tx * tx + ty * ty)
-    extremes = np.empty((2, LANES), np.float32)
-    store(extremes[0], 0, largest)
-    store(extremes[1], 0, shortest)
-    return extremes[0].max(), extremes[1].min() > 0
+    lanes = np.empty(2 * LANES, np.float32)
+    store(lanes, 0, largest)
+    store(lanes, LANES, shortest)
+    for k in range(1, LANES):
+        lanes[0] = max(lanes[0], lanes[k])
+        lanes[LANES] = min(lanes[LANES], lanes[LANES + k])
+    return lanes[0], lanes[LANES] > 0
 
 
 @inlined

@@ -23,6 +23,7 @@ from flowabs_nodes.filters.vector import (
     minimum,
     rough_inverse_root,
     same_floats,
+    same_ints,
     select,
     soon_read,
     soon_written,
@@ -68,9 +69,13 @@ class Layout(NamedTuple):
     """Where it lies."""
 
     columns: int  # of a row
-    origin: int  # where column 0 of the picture would be
+    margin: int  # of them, to the left of the tile
     depth: int  # rows of the ring of words
     kept: int  # rows of the other rings
+    most: int  # groups of a pass
+    room: int  # columns of a row of running sums
+    pad: int  # of them, to the left of the others
+    origin: int  # where column 0 of the picture would be
 
 
 def smooth(
@@ -99,8 +104,10 @@ def smooth(
     while iterations > 0:
         now = min(iterations, at_once)
         field = Field(tangent.reshape(-1), magnitude.reshape(-1), inverse, choice.reshape(-1), height, columns)
-        tiles = _tiles(height, columns)
-        over_rows(_smooth, len(tiles), tiles, passes, now, field, fixed, smoothed.reshape(-1), least=1)
+        tiles, beyond = _tiles(height, columns), _beyond(passes, now)
+        layout, ends = _layout(passes, tiles, beyond)
+        arguments = tiles, passes, beyond, layout, ends, field, fixed, smoothed.reshape(-1)
+        over_rows(_smooth, len(tiles), *arguments, least=1)
         tangent, smoothed, iterations = smoothed, tangent, iterations - now
     return np.ascontiguousarray(tangent[:, :width])
 
@@ -120,42 +127,54 @@ def _tiles(height: int, width: int) -> Int64:
     )
 
 
+def _beyond(passes: Passes, iterations: int) -> Int64:
+    """How far the passes from p on reach together: so much more than a tile have those before to cover."""
+    reach = np.tile(passes.reach, (iterations, 1))
+    return np.append(np.cumsum(reach[::-1], axis=0)[::-1], [[0, 0]], axis=0)
+
+
+def _layout(passes: Passes, tiles: Int64, beyond: Int64) -> tuple[Layout, Int64]:
+    """And where, from a group's first sums on, those are that are m to the right and m + 1 to the left."""
+    whole = -(-beyond[0, 0] // LANES) * LANES
+    margin = int(whole) + LANES
+    columns = -(-int(np.max(tiles[:, 1] - tiles[:, 0])) // LANES) * LANES + 2 * margin
+    pad = -(-2 * int(np.max(passes.reach[:, 0])) // LANES) * LANES + LANES
+    room = columns + pad + LANES
+    depth, kept = 2 * int(np.max(passes.reach[:, 1])) + 1 + ROWS, int(beyond[0, 1]) + ROWS
+    m = passes.groups[:, 0]
+    begins = np.concatenate([np.arange(first[-1] - first[0]) for first in passes.first]) * ROWS * room + pad
+    most = int(np.max(passes.first[:, -1] - passes.first[:, 0]))
+    return Layout(columns, margin, depth, kept, most, room, pad, 0), np.stack([begins + m, begins - m - 1], axis=1)
+
+
 @kernel
 def _smooth(
     first: int,
     last: int,
     tiles: Int64,
     passes: Passes,
-    iterations: int,
+    beyond: Int64,
+    shared: Layout,
+    ends: Int64,
     field: Field,
     fixed: FixedPoint,
     smoothed: Array,
 ) -> None:
     """The tiles ``first`` .. ``last`` - 1."""
-    kinds, sizes = passes.first.shape[0], passes.first.shape[1] - 1
-    steps = kinds * iterations
-    # How far the passes from p on reach together: so much more than the tile have those before to cover.
-    beyond = np.zeros((steps + 1, 2), np.int64)
-    for p in range(steps - 1, -1, -1):
-        beyond[p] = beyond[p + 1] + passes.reach[p % kinds]
-    margin = _whole(beyond[0, 0]) + LANES
-    columns = _whole(np.max(tiles[:, 1] - tiles[:, 0])) + 2 * margin
-    depth, kept = 2 * int(np.max(passes.reach[:, 1])) + 1 + ROWS, int(beyond[0, 1]) + ROWS
-    groups = np.max(passes.first[:, sizes] - passes.first[:, 0])
-    room = 2 * _whole(np.max(passes.reach[:, 0])) + columns + 2 * LANES
+    kinds, sizes, steps = passes.first.shape[0], passes.first.shape[1] - 1, beyond.shape[0] - 1
+    columns, margin, depth, kept, most, room, pad, _ = shared
     words = _aligned(steps * depth * PLANES * columns)
-    by_step = words.reshape(steps, depth * PLANES * columns)
-    running = _aligned(steps * PLANES * groups * ROWS * room).reshape(steps, PLANES, groups, ROWS * room)
+    running = _aligned(steps * PLANES * most * ROWS * room)
     sums = _aligned(sizes * PLANES * ROWS * columns)
-    tangents = _aligned(steps * kept * 2 * columns).view(np.float32)
-    trace = _aligned(kinds * kept * columns).view(np.float32)
-    rows = np.empty(depth, np.int64)
+    tangents = np.empty(steps * kept * 2 * columns, np.float32)
+    trace = np.empty(kinds * kept * columns, np.float32)
     memory = Memory(words, sums, tangents, trace)
+    rows = np.empty(depth, np.int64)
     for tile in range(first, last):
-        left, right, top, bottom = tiles[tile]
-        words[:] = 0
-        running[:] = 0
-        layout = Layout(columns, margin - left, depth, kept)
+        left, right, top, bottom = tiles[tile, 0], tiles[tile, 1], tiles[tile, 2], tiles[tile, 3]
+        _clear(words, 0, words.size)
+        _clear(running, 0, running.size)
+        layout = Layout(columns, margin, depth, kept, most, room, pad, margin - left)
         for newest in range(max(top - beyond[0, 1], 0), bottom + beyond[0, 1], ROWS):
             start, end = max(left - _whole(beyond[0, 0]), 0), min(right + beyond[0, 0], field.width)
             _begin(newest, min(newest + ROWS, field.height), start, end, field, fixed, words, layout)
@@ -171,22 +190,13 @@ def _smooth(
                 before = layout.origin + max(left - _whole(beyond[p, 0]), 0)
                 middle = passes.reach[kind, 1] + 1
                 for d in range(2 * middle + ROWS - 1):
-                    rows[d] = (y0 + d - middle) % depth * PLANES * columns
+                    rows[d] = (p * depth + (y0 + d - middle) % depth) * PLANES * columns
                 planes = 4 if p >= kinds else 5 if fixed.trace_bit > 0 else PLANES
+                down = p * PLANES * most * ROWS * room
                 sum_over_kernels(
-                    by_step[p],
-                    rows,
-                    middle,
-                    planes,
-                    passes.groups,
-                    passes.first[kind],
-                    running[p],
-                    sums,
-                    before,
-                    x0,
-                    x1,
-                    columns,
-                )
+                    words, rows, middle, planes, passes.groups, passes.first[kind], ends,
+                    running, down, most, room, pad, sums, before, x0, x1, columns,
+                )  # fmt: skip
                 ready = max(y0, first_row), min(y0 + ROWS, last_row)
                 _turn(p, kinds, steps, sizes, y0, ready, start, end, field, fixed, memory, layout, smoothed)
                 if y0 + ROWS <= first_row:
@@ -230,10 +240,16 @@ def _trace(layout: Layout, kind: int, y: int) -> int:
 
 
 @kernel
+def _clear(numbers: Int32, start: int, end: int) -> None:
+    for i in range(start, end, LANES):
+        store(numbers, i, same_ints(0))
+
+
+@inlined
 def _no_words(words: Int32, layout: Layout, p: int, y: int) -> None:
     """What pass p sums of a row beyond the picture."""
     at = _words(layout, p, y)
-    words[at : at + PLANES * layout.columns] = 0
+    _clear(words, at, at + PLANES * layout.columns)
 
 
 # The equations. -----------------------------------------------------------------------------------------------------
