@@ -23,6 +23,7 @@ from flowabs_nodes.filters.vector import (
     absolute,
     from_doubles,
     load,
+    load_triples,
     maximum,
     minimum,
     same_doubles,
@@ -173,15 +174,21 @@ def _gradient(
 def _repeat_border(code: Array, channels: int, height: int, width: int, y: int, row: Array) -> None:
     """Row y of each channel, one pixel longer at either end."""
     start = min(max(y, 0), height - 1) * width * channels
-    for k in range(channels):
-        first = k * (width + 2)
+    columns = width + 2
+    for x in range(0, width, LANES):
+        i = min(x, width - LANES)
         if channels == 1:
-            for x in range(0, width, LANES):
-                i = min(x, width - LANES)
-                store(row, 1 + i, load(code, start + i))
+            store(row, 1 + i, load(code, start + i))
+        elif channels == 3:
+            red, green, blue = load_triples(code, start + 3 * i)
+            store(row, 1 + i, red)
+            store(row, columns + 1 + i, green)
+            store(row, 2 * columns + 1 + i, blue)
         else:
-            for x in range(width):
-                row[first + 1 + x] = code[start + x * channels + k]
+            for k in range(channels):
+                for lane in range(i, i + LANES):
+                    row[k * columns + 1 + lane] = code[start + lane * channels + k]
+    for first in range(0, channels * columns, columns):
         row[first], row[first + width + 1] = row[first + 1], row[first + width]
 
 
