@@ -32,7 +32,8 @@ from flowabs_nodes.filters.vector import (
     to_floats,
 )
 
-COLUMNS = 512  # of a tile, about
+COLUMNS = 400  # of a tile, about: what its passes leave for each other stays in the second-level cache
+WIDER = 10  # times as wide as what it covers beside it, at least
 REACH = 64  # pixels that the passes reach together which are done in one go
 
 
@@ -104,7 +105,8 @@ def smooth(
     while iterations > 0:
         now = min(iterations, at_once)
         field = Field(tangent.reshape(-1), magnitude.reshape(-1), inverse, choice.reshape(-1), height, columns)
-        tiles, beyond = _tiles(height, columns), _beyond(passes, now)
+        beyond = _beyond(passes, now)
+        tiles = _tiles(height, columns, max(COLUMNS, WIDER * int(beyond[0, 0])))
         layout, ends = _layout(passes, tiles, beyond)
         arguments = tiles, passes, beyond, layout, ends, field, fixed, smoothed.reshape(-1)
         over_rows(_smooth, len(tiles), *arguments, least=1)
@@ -112,9 +114,9 @@ def smooth(
     return np.ascontiguousarray(tangent[:, :width])
 
 
-def _tiles(height: int, width: int) -> Int64:
-    """The picture in strips, cut across where there are more threads: left, right, top, bottom of each."""
-    strips = max(-(-width // COLUMNS), min(count(), width // 128), 1)
+def _tiles(height: int, width: int, most: int) -> Int64:
+    """Strips of about ``most`` columns, cut across where there are more threads: left, right, top, bottom of each."""
+    strips = max(-(-width // most), min(count(), width // 128), 1)
     bands = max(1, min(-(-count() // strips), height // 128))
     columns = -(-width // strips // LANES) * LANES
     lefts = [left for left in range(0, width, columns) if width - left >= LANES]  # the last may be wider

@@ -160,6 +160,7 @@ def test_tiles_and_what_is_done_in_one_go_change_no_bit(monkeypatch, columns, re
     code[30:50, 40:70] = 100  # with tangents missing
     whole = etf(code, 6.0, 4, **options)
     monkeypatch.setattr(smoothing, "COLUMNS", columns)
+    monkeypatch.setattr(smoothing, "WIDER", 0)
     monkeypatch.setattr(smoothing, "REACH", reach)
     np.testing.assert_array_equal(etf(code, 6.0, 4, **options), whole)
 
@@ -178,7 +179,7 @@ def test_every_radius_and_size_in_float64(shape, radius):
 @pytest.mark.parametrize(("height", "width"), [(1, 16), (300, 31), (40, 2020), (2, 2049), (1080, 1920)])
 def test_tiles_are_the_picture_once_and_wide_enough(threads, height, width):
     with limited(threads):
-        tiles = smoothing._tiles(height, width)
+        tiles = smoothing._tiles(height, width, 400)
     covered = np.zeros((height, width), int)
     for left, right, top, bottom in tiles:
         assert left % 16 == 0
