@@ -7,6 +7,7 @@ tile covers its surroundings too, as far as all later passes reach; beyond the p
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -115,9 +116,11 @@ def smooth(
 
 
 def _tiles(height: int, width: int, most: int) -> Int64:
-    """Strips of about ``most`` columns, cut across where there are more threads: left, right, top, bottom of each."""
-    strips = max(-(-width // most), min(count(), width // 128), 1)
-    bands = max(1, min(-(-count() // strips), height // 128))
+    """Strips of about ``most`` columns, cut for threads to get equal shares: left, right, top, bottom of each."""
+    threads = count()
+    strips = max(-(-width // most), min(threads, width // 128), 1)
+    equal = threads // math.gcd(strips, threads)  # many tiles make shares equal as well
+    bands = max(1, min(equal, -(-4 * threads // strips), height // 128))
     columns = -(-width // strips // LANES) * LANES
     lefts = [left for left in range(0, width, columns) if width - left >= LANES]  # the last may be wider
     return np.array(
