@@ -15,7 +15,8 @@ from flowabs_nodes.filters.composite import over
 from flowabs_nodes.filters.kernels import inlined, kernel
 from flowabs_nodes.filters.pixels import covering, seen
 from flowabs_nodes.filters.pointwise import doubt, doubtful, first_of
-from flowabs_nodes.filters.vector import load, load_triples, same_floats, select, store, store_quads, store_triples
+from flowabs_nodes.filters.vector import same_floats, select
+from flowabs_nodes.filters.vector_memory import load, load_triples, store, store_quads, store_triples
 
 UNIT = 255 / constants.ACESCCT_WHITE  # code values of ACEScct 1.0
 X_BREAK = constants.ACESCCT_X_BRK

@@ -19,17 +19,8 @@ from flowabs_nodes.filters.kernels import inlined, kernel
 from flowabs_nodes.filters.pixels import covering, rgba, seen
 from flowabs_nodes.filters.pointwise import doubt, doubtful, first_of
 from flowabs_nodes.filters.quantize import Steps, middle
-from flowabs_nodes.filters.vector import (
-    absolute,
-    load,
-    load_triples,
-    maximum,
-    same_floats,
-    select,
-    store,
-    store_quads,
-    store_triples,
-)
+from flowabs_nodes.filters.vector import absolute, maximum, same_floats, select
+from flowabs_nodes.filters.vector_memory import load, load_triples, store, store_quads, store_triples
 
 EPSILON = constants.LAB_EPSILON
 SLOPE = constants.LAB_KAPPA / 116

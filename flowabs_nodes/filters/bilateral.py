@@ -12,7 +12,8 @@ from flowabs_nodes.filters.arguments import Array
 from flowabs_nodes.filters.kernels import inlined, kernel
 from flowabs_nodes.filters.similarity import TINY, closeness, falloff
 from flowabs_nodes.filters.threads import over_rows
-from flowabs_nodes.filters.vector import LANES, exp2, load, load_triples, same_floats, select, store, store_triples
+from flowabs_nodes.filters.vector import LANES, exp2, same_floats, select
+from flowabs_nodes.filters.vector_memory import load, load_triples, store, store_triples
 
 KERNELS = ("full", "xy")
 

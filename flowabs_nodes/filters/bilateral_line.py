@@ -13,7 +13,8 @@ from flowabs_nodes.filters.points import Frame, padded
 from flowabs_nodes.filters.readings import AHEAD, expect, find, new_points, read, row_below
 from flowabs_nodes.filters.similarity import Pass, add, closeness, color, falloff, floats_of, keep, kept, mean, only
 from flowabs_nodes.filters.threads import over_rows
-from flowabs_nodes.filters.vector import LANES, load, load_pairs, scratch, soon_read, to_doubles
+from flowabs_nodes.filters.vector import LANES, to_doubles
+from flowabs_nodes.filters.vector_memory import load, load_pairs, scratch, soon_read
 
 _BLOCKS, _STEPS = 4, 4  # of sixteen pixels, and to each side, whose points are found before the first is read
 

@@ -11,7 +11,8 @@ from flowabs_nodes.filters import arguments, gaussian
 from flowabs_nodes.filters.arguments import Array
 from flowabs_nodes.filters.kernels import kernel
 from flowabs_nodes.filters.threads import over_rows
-from flowabs_nodes.filters.vector import LANES, from_doubles, load, store, to_doubles
+from flowabs_nodes.filters.vector import LANES, from_doubles, to_doubles
+from flowabs_nodes.filters.vector_memory import load, store
 
 
 def blur(image: npt.ArrayLike, sigma: float = 1.0) -> Array:

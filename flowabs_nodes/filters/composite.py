@@ -14,7 +14,8 @@ from flowabs_nodes.filters.arguments import Array
 from flowabs_nodes.filters.kernels import inlined, kernel
 from flowabs_nodes.filters.pixels import rgba
 from flowabs_nodes.filters.pointwise import doubt, doubtful, first_of, new_run, over_pixels, picture_of, run_of
-from flowabs_nodes.filters.vector import load, same_floats, store_quads, store_triples
+from flowabs_nodes.filters.vector import same_floats
+from flowabs_nodes.filters.vector_memory import load, store_quads, store_triples
 
 Ink = tuple[float, float, float, float]  # red, green, blue and opacity
 

@@ -16,7 +16,8 @@ import numpy as np
 import numpy.typing as npt
 
 from flowabs_nodes.filters.kernels import kernel
-from flowabs_nodes.filters.vector import LANES, last_lane, load, prefix_sums, same_ints, store
+from flowabs_nodes.filters.vector import LANES, last_lane, prefix_sums, same_ints
+from flowabs_nodes.filters.vector_memory import load, store
 
 Int32 = npt.NDArray[np.int32]
 Int64 = npt.NDArray[np.int64]

@@ -31,7 +31,8 @@ from flowabs_nodes.filters.similarity import (
     records_of,
 )
 from flowabs_nodes.filters.threads import over_rows
-from flowabs_nodes.filters.vector import LANES, load, scratch
+from flowabs_nodes.filters.vector import LANES
+from flowabs_nodes.filters.vector_memory import load, scratch
 from flowabs_nodes.filters.vector_walk import ALL, advance, column, expect_tangents, new_walks, set_out, turn
 
 

@@ -9,7 +9,8 @@ import numpy.typing as npt
 
 from flowabs_nodes.filters.kernels import kernel
 from flowabs_nodes.filters.pointwise import doubt, doubtful, first_of, over_pixels
-from flowabs_nodes.filters.vector import LANES, load, same_floats
+from flowabs_nodes.filters.vector import LANES, same_floats
+from flowabs_nodes.filters.vector_memory import load
 from flowabs_nodes.filters.vouched import is_vouched, vouch
 
 Array = npt.NDArray[np.float32]

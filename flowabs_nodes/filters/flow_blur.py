@@ -26,16 +26,8 @@ from flowabs_nodes.filters.tiles import (
     room,
     tile,
 )
-from flowabs_nodes.filters.vector import (
-    LANES,
-    inlined,
-    load,
-    load_pairs,
-    pairs_at,
-    quads_at,
-    scratch,
-    store,
-)
+from flowabs_nodes.filters.vector import LANES, inlined
+from flowabs_nodes.filters.vector_memory import load, load_pairs, pairs_at, quads_at, scratch, store
 
 _SUMS = 4 * BLOCKS  # of each channel
 

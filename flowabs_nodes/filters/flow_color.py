@@ -10,7 +10,8 @@ from flowabs_nodes.filters import arguments
 from flowabs_nodes.filters.arguments import Array
 from flowabs_nodes.filters.kernels import kernel
 from flowabs_nodes.filters.pointwise import first_of, new_run, over_pixels, picture_of, run_of
-from flowabs_nodes.filters.vector import from_doubles, load_pairs, maximum, store_triples, to_doubles
+from flowabs_nodes.filters.vector import from_doubles, maximum, to_doubles
+from flowabs_nodes.filters.vector_memory import load_pairs, store_triples
 
 _HALF_ROOT_3 = math.sqrt(3) / 2
 

@@ -21,19 +21,8 @@ from flowabs_nodes.filters.arguments import Array
 from flowabs_nodes.filters.gradient import half_angle
 from flowabs_nodes.filters.kernels import inlined, kernel
 from flowabs_nodes.filters.threads import over_rows
-from flowabs_nodes.filters.vector import (
-    LANES,
-    any_lane,
-    lane_numbers,
-    load,
-    load_pairs,
-    maximum,
-    minimum,
-    select,
-    store,
-    store_pairs,
-    to_floats,
-)
+from flowabs_nodes.filters.vector import LANES, any_lane, lane_numbers, maximum, minimum, select, to_floats
+from flowabs_nodes.filters.vector_memory import load, load_pairs, store, store_pairs
 
 _ISOTROPIC = 1e-6  # of a trace of 1: a tensor whose double angle is shorter has no direction, only rounding
 

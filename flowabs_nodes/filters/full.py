@@ -17,18 +17,8 @@ from flowabs_nodes.filters.kernels import kernel
 from flowabs_nodes.filters.points import Frame, between, frame_of
 from flowabs_nodes.filters.threads import over_rows
 from flowabs_nodes.filters.tiles import widened
-from flowabs_nodes.filters.vector import (
-    LANES,
-    inlined,
-    lane_numbers,
-    load,
-    pairs_at,
-    same_floats,
-    scratch,
-    store,
-    to_doubles,
-    to_floats,
-)
+from flowabs_nodes.filters.vector import LANES, inlined, lane_numbers, same_floats, to_doubles, to_floats
+from flowabs_nodes.filters.vector_memory import load, pairs_at, scratch, store
 from flowabs_nodes.filters.vector_walk import ALL, Walks, advance, column, new_walks, set_out, turn
 
 _SUMS = 16  # four planes of 64 pixels

@@ -22,18 +22,15 @@ from flowabs_nodes.filters.vector import (
     LANES,
     absolute,
     from_doubles,
-    load,
-    load_triples,
     maximum,
     minimum,
     same_doubles,
     same_floats,
     select,
     sqrt,
-    store,
-    store_pairs,
     to_doubles,
 )
+from flowabs_nodes.filters.vector_memory import load, load_triples, store, store_pairs
 
 _LARGEST = np.finfo(np.float32).max
 

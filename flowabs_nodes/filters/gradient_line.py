@@ -23,17 +23,8 @@ from flowabs_nodes.filters.tiles import (
     short,
     tile,
 )
-from flowabs_nodes.filters.vector import (
-    LANES,
-    floor,
-    inlined,
-    lane_numbers,
-    load,
-    load_pairs,
-    scratch,
-    store,
-    to_ints,
-)
+from flowabs_nodes.filters.vector import LANES, floor, inlined, lane_numbers, to_ints
+from flowabs_nodes.filters.vector_memory import load, load_pairs, scratch, store
 
 _STEPS = 8  # whose places are worked out together: the loads of one need not wait for those of another
 

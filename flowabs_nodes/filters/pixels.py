@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from flowabs_nodes.filters.vector import absolute, inlined, load_quads, load_triples, same_floats, select
+from flowabs_nodes.filters.vector import absolute, inlined, same_floats, select
+from flowabs_nodes.filters.vector_memory import load_quads, load_triples
 
 
 @inlined

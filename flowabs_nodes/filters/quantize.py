@@ -10,18 +10,8 @@ from flowabs_nodes.filters import arguments
 from flowabs_nodes.filters.arguments import Array
 from flowabs_nodes.filters.kernels import inlined, kernel
 from flowabs_nodes.filters.pointwise import doubt, doubtful, first_of, new_run, over_pixels, picture_of, run_of
-from flowabs_nodes.filters.vector import (
-    floor,
-    from_doubles,
-    load,
-    maximum,
-    minimum,
-    rint,
-    same_floats,
-    select,
-    store,
-    to_doubles,
-)
+from flowabs_nodes.filters.vector import floor, from_doubles, maximum, minimum, rint, same_floats, select, to_doubles
+from flowabs_nodes.filters.vector_memory import load, store
 
 Steps = tuple[float, float]  # levels per L*, and softness
 

@@ -13,18 +13,8 @@ import numpy as np
 from flowabs_nodes.filters.blocks import inline
 from flowabs_nodes.filters.points import Frame, between, nearest
 from flowabs_nodes.filters.similarity import TINY, Color
-from flowabs_nodes.filters.vector import (
-    LANES,
-    inlined,
-    load,
-    octets_at,
-    quads_at,
-    scratch,
-    select,
-    soon_read,
-    soon_written,
-    store,
-)
+from flowabs_nodes.filters.vector import LANES, inlined, select
+from flowabs_nodes.filters.vector_memory import load, octets_at, quads_at, scratch, soon_read, soon_written, store
 
 AHEAD = 128  # pixels: what is fetched while these are worked on
 

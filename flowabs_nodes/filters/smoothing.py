@@ -19,19 +19,14 @@ from flowabs_nodes.filters.threads import count, over_rows
 from flowabs_nodes.filters.vector import (
     LANES,
     bits_of,
-    load,
-    load_pairs,
     minimum,
     rough_inverse_root,
     same_floats,
     same_ints,
     select,
-    soon_read,
-    soon_written,
-    store,
-    store_pairs,
     to_floats,
 )
+from flowabs_nodes.filters.vector_memory import load, load_pairs, soon_read, soon_written, store, store_pairs
 
 COLUMNS = 400  # of a tile, about: what its passes leave for each other stays in the second-level cache
 WIDER = 10  # times as wide as what it covers beside it, at least

@@ -12,7 +12,8 @@ from flowabs_nodes.filters import arguments
 from flowabs_nodes.filters.arguments import Array
 from flowabs_nodes.filters.kernels import kernel
 from flowabs_nodes.filters.pointwise import doubt, doubtful, first_of, new_run, over_pixels, picture_of, run_of
-from flowabs_nodes.filters.vector import load, maximum, minimum, same_floats, select, store
+from flowabs_nodes.filters.vector import maximum, minimum, same_floats, select
+from flowabs_nodes.filters.vector_memory import load, store
 from flowabs_nodes.filters.vouched import vouch
 
 

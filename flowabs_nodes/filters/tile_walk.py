@@ -13,18 +13,8 @@ import numpy as np
 
 from flowabs_nodes.filters.blocks import inline
 from flowabs_nodes.filters.tiles import COLUMNS, Tile, place
-from flowabs_nodes.filters.vector import (
-    LANES,
-    inlined,
-    lane_numbers,
-    load,
-    same_ints,
-    scratch,
-    select,
-    store,
-    to_floats,
-    to_ints,
-)
+from flowabs_nodes.filters.vector import LANES, inlined, lane_numbers, same_ints, select, to_floats, to_ints
+from flowabs_nodes.filters.vector_memory import load, scratch, store
 
 BLOCKS = COLUMNS // LANES
 WALKS = 2 * BLOCKS  # sixteen pixels along their tangents, the same against them, then the next sixteen pixels

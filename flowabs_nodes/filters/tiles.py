@@ -20,19 +20,8 @@ import numpy.typing as npt
 
 from flowabs_nodes.filters.arguments import Array
 from flowabs_nodes.filters.threads import over_rows
-from flowabs_nodes.filters.vector import (
-    LANES,
-    absolute,
-    any_lane,
-    inlined,
-    load,
-    load_pairs,
-    maximum,
-    minimum,
-    quads_at,
-    store_pairs,
-    store_quads,
-)
+from flowabs_nodes.filters.vector import LANES, absolute, any_lane, inlined, maximum, minimum
+from flowabs_nodes.filters.vector_memory import load, load_pairs, quads_at, store_pairs, store_quads
 
 ROWS, COLUMNS = 64, 128
 LONGEST = 1.25  # component of a tangent that is still about a unit vector

@@ -19,19 +19,8 @@ import numpy as np
 
 from flowabs_nodes.filters.blocks import inline
 from flowabs_nodes.filters.points import Frame, nearest
-from flowabs_nodes.filters.vector import (
-    LANES,
-    inlined,
-    load,
-    load_pairs,
-    pairs_at,
-    same_doubles,
-    scratch,
-    select,
-    soon_read,
-    store,
-    to_doubles,
-)
+from flowabs_nodes.filters.vector import LANES, inlined, same_doubles, select, to_doubles
+from flowabs_nodes.filters.vector_memory import load, load_pairs, pairs_at, scratch, soon_read, store
 
 TOGETHER = 8  # walks of sixteen pixels each
 ALL = TOGETHER * LANES

@@ -4,7 +4,8 @@ import numpy as np
 from numba import njit
 
 from flowabs_nodes.color import elementary
-from flowabs_nodes.filters.vector import LANES, load, store
+from flowabs_nodes.filters.vector import LANES
+from flowabs_nodes.filters.vector_memory import load, store
 
 
 def _each(function, values):

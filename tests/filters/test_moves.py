@@ -11,7 +11,8 @@ from numba import njit
 
 from flowabs_nodes.filters.moves import MOST_STEPS, follow, written_walks
 from flowabs_nodes.filters.points import Frame, frame_of, padded
-from flowabs_nodes.filters.vector import LANES, load, scratch, store
+from flowabs_nodes.filters.vector import LANES
+from flowabs_nodes.filters.vector_memory import load, scratch, store
 from tests.filters.flows import cases, random_flow
 from tests.naive import walk as naive
 

@@ -10,7 +10,8 @@ import pytest
 from numba import njit
 
 from flowabs_nodes.filters.points import Frame, between, frame_of, nearest, padded
-from flowabs_nodes.filters.vector import LANES, load, store
+from flowabs_nodes.filters.vector import LANES
+from flowabs_nodes.filters.vector_memory import load, store
 from tests.naive.walk import READ
 
 SHAPES = [(9, 40), (1, 16), (6, 5), (5, 1), (1, 1)]

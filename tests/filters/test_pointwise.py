@@ -4,7 +4,7 @@ import pytest
 from flowabs_nodes.filters import threads
 from flowabs_nodes.filters.kernels import kernel
 from flowabs_nodes.filters.pointwise import first_of, new_run, over_pixels, picture_of, run_of
-from flowabs_nodes.filters.vector import load, store
+from flowabs_nodes.filters.vector_memory import load, store
 
 
 @kernel

@@ -12,7 +12,8 @@ from numba import njit
 from flowabs_nodes.filters.points import Frame, frame_of, padded
 from flowabs_nodes.filters.readings import expect, find, new_points, read, row_below
 from flowabs_nodes.filters.similarity import floats_of
-from flowabs_nodes.filters.vector import LANES, load, store
+from flowabs_nodes.filters.vector import LANES
+from flowabs_nodes.filters.vector_memory import load, store
 from tests.naive.walk import READ
 
 SHAPES = [(9, 40), (2, 16), (1, 20), (6, 5), (5, 1), (1, 1)]

@@ -24,7 +24,8 @@ from flowabs_nodes.filters.similarity import (
     only,
     partial_coverage,
 )
-from flowabs_nodes.filters.vector import LANES, scratch
+from flowabs_nodes.filters.vector import LANES
+from flowabs_nodes.filters.vector_memory import scratch
 
 RANDOM = np.random.default_rng(7)
 

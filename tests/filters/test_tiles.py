@@ -10,7 +10,8 @@ from numba import njit
 
 from flowabs_nodes.filters import tiles
 from flowabs_nodes.filters.tile_walk import advance, beyond, new_walks, set_out, turn
-from flowabs_nodes.filters.vector import LANES, load, load_pairs, pairs_at, scratch, store, to_floats
+from flowabs_nodes.filters.vector import LANES, to_floats
+from flowabs_nodes.filters.vector_memory import load, load_pairs, pairs_at, scratch, store
 from tests.filters.flows import cases, random_flow
 from tests.filters.pictures import noise
 from tests.naive import walk as naive

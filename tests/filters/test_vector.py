@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from numba import njit
 
-from flowabs_nodes.filters import vector
-from flowabs_nodes.filters.vector import LANES, lane_numbers, load, select, store
+from flowabs_nodes.filters import vector, vector_memory
+from flowabs_nodes.filters.vector import LANES, lane_numbers, select
+from flowabs_nodes.filters.vector_memory import load, store
 
 RANDOM = np.random.default_rng(16)
 X, Y = (RANDOM.normal(0, 30, LANES).astype(np.float32) for _ in range(2))
@@ -154,13 +155,13 @@ PLACES = RANDOM.integers(0, 92, LANES).astype(np.int32)
 
 @njit
 def _read_at_places(picture: Any, places: Any, out: Any) -> None:
-    kept = vector.scratch(np.int32, 2)
+    kept = vector_memory.scratch(np.int32, 2)
     store(kept, 16, load(places, 0))
-    for k, each in enumerate(vector.pairs_at(picture, kept, 16)):
+    for k, each in enumerate(vector_memory.pairs_at(picture, kept, 16)):
         store(out, 16 * k, each)
-    for k, each in enumerate(vector.quads_at(picture, kept, 16)):
+    for k, each in enumerate(vector_memory.quads_at(picture, kept, 16)):
         store(out, 32 + 16 * k, each)
-    for k, each in enumerate(vector.octets_at(picture, kept, 16)):
+    for k, each in enumerate(vector_memory.octets_at(picture, kept, 16)):
         store(out, 96 + 16 * k, each)
 
 
@@ -173,13 +174,13 @@ def test_reading_at_scattered_places() -> None:
 
 @njit
 def _read_pairs(picture: Any, places: Any, out: Any) -> None:
-    kept = vector.scratch(np.int32, 1)
+    kept = vector_memory.scratch(np.int32, 1)
     store(kept, 0, load(places, 0))
-    for k, each in enumerate(vector.quads_at(picture, kept, 0)):
+    for k, each in enumerate(vector_memory.quads_at(picture, kept, 0)):
         store(out, 16 * k, each)
-    for k, each in enumerate(vector.load_pairs(picture, 3)):
+    for k, each in enumerate(vector_memory.load_pairs(picture, 3)):
         store(out, 64 + 16 * k, each)
-    vector.store_pairs(picture, 3, (load(out, 0), load(out, 16)))
+    vector_memory.store_pairs(picture, 3, (load(out, 0), load(out, 16)))
 
 
 def test_complex_numbers_are_pairs() -> None:
@@ -194,10 +195,10 @@ def test_complex_numbers_are_pairs() -> None:
 
 @njit
 def _by_way_of_scratch(x: Any, whole: Any, nearest: Any, ties_to_even: Any, below: Any) -> None:
-    kept = vector.scratch(np.float64, 3)
+    kept = vector_memory.scratch(np.float64, 3)
     store(kept, 32, vector.to_doubles(load(x, 0)))
-    vector.soon_read(x, 10**9)  # only ever a hint
-    vector.soon_written(x, -1)
+    vector_memory.soon_read(x, 10**9)  # only ever a hint
+    vector_memory.soon_written(x, -1)
     store(whole, 0, vector.to_ints(load(kept, 32)))
     store(nearest, 0, vector.rint(load(kept, 32)))
     store(ties_to_even, 0, vector.nearest_ints(load(kept, 32)))
@@ -217,17 +218,17 @@ def test_doubles_in_scratch_memory() -> None:
 
 @njit
 def _take_apart(records: Any, out: Any, again: Any) -> None:
-    pairs, triples = vector.load_pairs(records, 1), vector.load_triples(records, 1)
-    quads = vector.load_quads(records, 1)
+    pairs, triples = vector_memory.load_pairs(records, 1), vector_memory.load_triples(records, 1)
+    quads = vector_memory.load_quads(records, 1)
     for k in range(2):
         store(out, 16 * k, pairs[k])
     for k in range(3):
         store(out, 32 + 16 * k, triples[k])
     for k in range(4):
         store(out, 80 + 16 * k, quads[k])
-    vector.store_pairs(again, 0, pairs)
-    vector.store_triples(again, 32, triples)
-    vector.store_quads(again, 80, quads)
+    vector_memory.store_pairs(again, 0, pairs)
+    vector_memory.store_triples(again, 32, triples)
+    vector_memory.store_quads(again, 80, quads)
 
 
 def test_neighbouring_records_come_apart_and_together() -> None:

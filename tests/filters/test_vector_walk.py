@@ -11,7 +11,8 @@ import pytest
 from numba import njit
 
 from flowabs_nodes.filters.points import Frame, frame_of, padded
-from flowabs_nodes.filters.vector import LANES, load, store
+from flowabs_nodes.filters.vector import LANES
+from flowabs_nodes.filters.vector_memory import load, store
 from flowabs_nodes.filters.vector_walk import ALL, advance, column, expect_tangents, new_walks, set_out, turn
 from tests.filters.flows import cases, random_flow
 from tests.naive import walk as naive
