@@ -120,8 +120,8 @@ def test_choice_hints_at_the_nearest():
 
 
 def test_pictures_that_kernels_could_not_count_are_refused():
-    with pytest.raises(ArgumentError, match=r"code: expected fewer than 2\^31 pixels"):
-        arguments.plane("code", np.broadcast_to(np.uint8(0), (2**16, 2**15)))
+    with pytest.raises(ArgumentError, match=r"code: expected fewer than 2\^29 pixels"):
+        arguments.plane("code", np.broadcast_to(np.uint8(0), (2**16, 2**13)))
 
 
 def test_a_plane_has_to_fit_the_picture():
