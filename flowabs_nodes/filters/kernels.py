@@ -35,7 +35,7 @@ def kernel(function: Callable[..., Any]) -> Any:
 def _keep_freed_memory() -> None:
     """Have the process keep the memory of pictures that are done, for the next ones.
 
-    Linux's C library hands freed memory back beyond twice the largest block freed so far, at most 32 MB; to get it back,
+    Linux's C library hands freed memory back beyond twice the largest block freed so far, up to 32 MB; to get it back,
     cleared, page by page, takes a fifth of a small picture's time. Here it learns of a large block that nobody touched.
     """
     np.empty(2**25 - 2**16, np.uint8)
