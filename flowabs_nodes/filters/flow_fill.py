@@ -68,15 +68,22 @@ def _fill(tangent: Array, magnitude: Array, fill: float, largest: float, width: 
     while cells[-1] != (1, 1):
         cells.append(((cells[-1][0] + 1) // 2, (cells[-1][1] + 1) // 2))
         sums.append(_level(3, *cells[-1]))
-        over_rows(_push, cells[-1][0], sums[-2], sums[-1])
+        over_rows(_push, cells[-1][0], sums[-2], sums[-1], least=_worth_a_thread(cells[-1]))
     weight = sums[-1][2, 0, 0]
     axes = sums.pop()[:2] / np.float32(weight if weight > 0 else 1)
     for level in range(len(sums), 0, -1):
         coarser, axes = axes, _level(2, *cells[level - 1])
-        over_rows(
-            _pull, cells[level - 1][0], sums.pop(), coarser, cells[level], confident, 2**level, height, width, axes
+        rows, arguments = (
+            cells[level - 1][0],
+            (sums.pop(), coarser, cells[level], confident, 2**level, height, width, axes),
         )
+        over_rows(_pull, rows, *arguments, least=_worth_a_thread(cells[level - 1]))
     over_rows(_pull_pixels, height, flat, strength, np.float32(scale), axes, cells[0], np.float32(confident), columns)
+
+
+def _worth_a_thread(cells: tuple[int, int]) -> int:
+    """So many rows of a level that it takes longer to fill them than to wake a thread."""
+    return max(8, 2**15 // cells[1])
 
 
 def _level(planes: int, rows: int, cells: int) -> Array:
