@@ -35,10 +35,10 @@ def kernel(function: Callable[..., Any]) -> Any:
 def _keep_freed_memory() -> None:
     """Have the process keep the memory of pictures that are done, for the next ones.
 
-    Linux's C library hands freed memory back beyond twice the largest block freed so far, up to 32 MB; to get it back,
-    cleared, page by page, takes a fifth of a small picture's time. Here it learns of a large block that nobody touched.
+    Linux's C library hands freed memory back beyond twice the largest block freed so far. To get it again, cleared, page
+    by page, takes a fifth of a small picture's time. Here it learns of a larger block, which nobody has touched.
     """
-    np.empty(2**25 - 2**16, np.uint8)
+    np.empty(2**23, np.uint8)
 
 
 _keep_freed_memory()
