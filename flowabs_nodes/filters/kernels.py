@@ -35,7 +35,7 @@ def kernel(function: Callable[..., Any]) -> Any:
 def _keep_freed_memory() -> None:
     """Have the process keep the memory of pictures that are done, for the next ones.
 
-    Linux's C library hands freed memory back beyond twice the largest block freed so far. To get it again, cleared, page
+    Linux's C library hands freed memory back beyond twice the largest block freed so far. To get it again, page
     by page, takes a fifth of a small picture's time. Here it learns of a larger block, which nobody has touched.
     """
     np.empty(2**23, np.uint8)
