@@ -7,7 +7,6 @@ tile covers its surroundings too, as far as all later passes reach; beyond the p
 
 from __future__ import annotations
 
-import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,14 +14,27 @@ import numpy as np
 from flowabs_nodes.filters.arguments import Array
 from flowabs_nodes.filters.disc import PLANES, ROWS, Int32, Int64, Passes, sum_over_kernels
 from flowabs_nodes.filters.kernels import inlined, kernel
-from flowabs_nodes.filters.threads import count, over_rows
+from flowabs_nodes.filters.rings import (
+    Layout,
+    Memory,
+    aligned,
+    clear,
+    clear_words,
+    layout_of,
+    reaches_of,
+    tangents_at,
+    tiles_of,
+    trace_at,
+    whole,
+    words_at,
+)
+from flowabs_nodes.filters.threads import over_rows
 from flowabs_nodes.filters.vector import (
     LANES,
     bits_of,
     minimum,
     rough_inverse_root,
     same_floats,
-    same_ints,
     select,
     to_floats,
 )
@@ -53,28 +65,6 @@ class FixedPoint(NamedTuple):
     one_below: np.float32
 
 
-class Memory(NamedTuple):
-    """What lies between the passes."""
-
-    words: Int32  # N and ĝN that each pass sums, a ring of rows
-    sums: Int32  # over the kernel, in the rows at work
-    tangents: Array  # that each pass turns, a ring of rows
-    trace: Array  # (1 - ĝ) sum |t|^2 + sum ĝ|t|^2, which never changes from one iteration to the next: a ring of rows
-
-
-class Layout(NamedTuple):
-    """Where it lies."""
-
-    columns: int  # of a row
-    margin: int  # of them, to the left of the tile
-    depth: int  # rows of the ring of words
-    kept: int  # rows of the other rings
-    most: int  # groups of a pass
-    room: int  # columns of a row of running sums
-    pad: int  # of them, to the left of the others
-    origin: int  # where column 0 of the picture would be
-
-
 def smooth(
     tangent: Array, magnitude: Array, reference: float, iterations: int, passes: Passes, choice: Int32 | None = None
 ) -> Array:
@@ -101,50 +91,13 @@ def smooth(
     while iterations > 0:
         now = min(iterations, at_once)
         field = Field(tangent.reshape(-1), magnitude.reshape(-1), inverse, choice.reshape(-1), height, columns)
-        beyond = _beyond(passes, now)
-        tiles = _tiles(height, columns, max(COLUMNS, WIDER * int(beyond[0, 0])))
-        layout, ends = _layout(passes, tiles, beyond)
+        beyond = reaches_of(passes, now)
+        tiles = tiles_of(height, columns, max(COLUMNS, WIDER * int(beyond[0, 0])))
+        layout, ends = layout_of(passes, tiles, beyond)
         arguments = tiles, passes, beyond, layout, ends, field, fixed, smoothed.reshape(-1)
         over_rows(_smooth, len(tiles), *arguments, least=1)
         tangent, smoothed, iterations = smoothed, tangent, iterations - now
     return np.ascontiguousarray(tangent[:, :width])
-
-
-def _tiles(height: int, width: int, most: int) -> Int64:
-    """Strips of about ``most`` columns, cut for threads to get equal shares: left, right, top, bottom of each."""
-    threads = count()
-    strips = max(-(-width // most), min(threads, width // 128), 1)
-    equal = threads // math.gcd(strips, threads)  # many tiles make shares equal as well
-    bands = max(1, min(equal, -(-4 * threads // strips), height // 128))
-    columns = -(-width // strips // LANES) * LANES
-    lefts = [left for left in range(0, width, columns) if width - left >= LANES]  # the last may be wider
-    return np.array(
-        [
-            (left, right, height * band // bands, height * (band + 1) // bands)
-            for band in range(bands)
-            for left, right in zip(lefts, [*lefts[1:], width], strict=True)
-        ]
-    )
-
-
-def _beyond(passes: Passes, iterations: int) -> Int64:
-    """How far the passes from p on reach together: so much more than a tile have those before to cover."""
-    reach = np.tile(passes.reach, (iterations, 1))
-    return np.append(np.cumsum(reach[::-1], axis=0)[::-1], [[0, 0]], axis=0)
-
-
-def _layout(passes: Passes, tiles: Int64, beyond: Int64) -> tuple[Layout, Int64]:
-    """And where, from a group's first sums on, those are that are m to the right and m + 1 to the left."""
-    whole = -(-beyond[0, 0] // LANES) * LANES
-    margin = int(whole) + LANES
-    columns = -(-int(np.max(tiles[:, 1] - tiles[:, 0])) // LANES) * LANES + 2 * margin
-    pad = -(-2 * int(np.max(passes.reach[:, 0])) // LANES) * LANES + LANES
-    room = columns + pad + LANES
-    depth, kept = 2 * int(np.max(passes.reach[:, 1])) + 1 + ROWS, int(beyond[0, 1]) + ROWS
-    m = passes.groups[:, 0]
-    begins = np.concatenate([np.arange(first[-1] - first[0]) for first in passes.first]) * ROWS * room + pad
-    most = int(np.max(passes.first[:, -1] - passes.first[:, 0]))
-    return Layout(columns, margin, depth, kept, most, room, pad, 0), np.stack([begins + m, begins - m - 1], axis=1)
 
 
 @kernel
@@ -163,31 +116,31 @@ def _smooth(
     """The tiles ``first`` .. ``last`` - 1."""
     kinds, sizes, steps = passes.first.shape[0], passes.first.shape[1] - 1, beyond.shape[0] - 1
     columns, margin, depth, kept, most, room, pad, _ = shared
-    words = _aligned(steps * depth * PLANES * columns)
-    running = _aligned(steps * PLANES * most * ROWS * room)
-    sums = _aligned(sizes * PLANES * ROWS * columns)
+    words = aligned(steps * depth * PLANES * columns)
+    running = aligned(steps * PLANES * most * ROWS * room)
+    sums = aligned(sizes * PLANES * ROWS * columns)
     tangents = np.empty(steps * kept * 2 * columns, np.float32)
     trace = np.empty(kinds * kept * columns, np.float32)
     memory = Memory(words, sums, tangents, trace)
     rows = np.empty(depth, np.int64)
     for tile in range(first, last):
         left, right, top, bottom = tiles[tile, 0], tiles[tile, 1], tiles[tile, 2], tiles[tile, 3]
-        _clear(words, 0, words.size)
-        _clear(running, 0, running.size)
+        clear(words, 0, words.size)
+        clear(running, 0, running.size)
         layout = Layout(columns, margin, depth, kept, most, room, pad, margin - left)
         for newest in range(max(top - beyond[0, 1], 0), bottom + beyond[0, 1], ROWS):
-            start, end = max(left - _whole(beyond[0, 0]), 0), min(right + beyond[0, 0], field.width)
+            start, end = max(left - whole(beyond[0, 0]), 0), min(right + beyond[0, 0], field.width)
             _begin(newest, min(newest + ROWS, field.height), start, end, field, fixed, words, layout)
             for y in range(max(newest, field.height), newest + ROWS):
-                _no_words(words, layout, 0, y)
+                clear_words(words, layout, 0, y)
             y0 = newest
             for p in range(steps):
                 kind = p % kinds
                 y0 -= passes.reach[kind, 1]
                 first_row, last_row = max(top - beyond[p + 1, 1], 0), min(bottom + beyond[p + 1, 1], field.height)
-                start, end = max(left - _whole(beyond[p + 1, 0]), 0), min(right + beyond[p + 1, 0], field.width)
-                x0, x1 = layout.origin + start, layout.origin + start + _whole(end - start)
-                before = layout.origin + max(left - _whole(beyond[p, 0]), 0)
+                start, end = max(left - whole(beyond[p + 1, 0]), 0), min(right + beyond[p + 1, 0], field.width)
+                x0, x1 = layout.origin + start, layout.origin + start + whole(end - start)
+                before = layout.origin + max(left - whole(beyond[p, 0]), 0)
                 middle = passes.reach[kind, 1] + 1
                 for d in range(2 * middle + ROWS - 1):
                     rows[d] = (p * depth + (y0 + d - middle) % depth) * PLANES * columns
@@ -203,53 +156,7 @@ def _smooth(
                     break  # the next pass has nothing to read yet
                 if p + 1 < steps:
                     for y in range(max(y0, field.height), y0 + ROWS):
-                        _no_words(words, layout, p + 1, y)
-
-
-# Where things are. ----------------------------------------------------------------------------------------------------
-
-
-@inlined
-def _whole(columns: int) -> int:
-    return (columns + LANES - 1) // LANES * LANES
-
-
-@kernel
-def _aligned(size: int) -> Int32:
-    """From a whole line of memory on: reading sixteen at a time across two lines takes twice as long."""
-    memory = np.empty(size + LANES, np.int32)
-    skip = -(memory.ctypes.data // 4) % LANES
-    return memory[skip : skip + size]
-
-
-@inlined
-def _words(layout: Layout, p: int, y: int) -> int:
-    """Row y of the first plane that pass p sums; the other planes come after."""
-    return (p * layout.depth + y % layout.depth) * PLANES * layout.columns
-
-
-@inlined
-def _tangents(layout: Layout, p: int, y: int) -> int:
-    """Row y of t.x that pass p turns; that of t.y comes after."""
-    return (p * layout.kept + y % layout.kept) * 2 * layout.columns
-
-
-@inlined
-def _trace(layout: Layout, kind: int, y: int) -> int:
-    return (kind * layout.kept + y % layout.kept) * layout.columns
-
-
-@kernel
-def _clear(numbers: Int32, start: int, end: int) -> None:
-    for i in range(start, end, LANES):
-        store(numbers, i, same_ints(0))
-
-
-@inlined
-def _no_words(words: Int32, layout: Layout, p: int, y: int) -> None:
-    """What pass p sums of a row beyond the picture."""
-    at = _words(layout, p, y)
-    _clear(words, at, at + PLANES * layout.columns)
+                        clear_words(words, layout, p + 1, y)
 
 
 # The equations. -----------------------------------------------------------------------------------------------------
@@ -263,7 +170,7 @@ def _begin(
     """N and ĝN of the gradient's tangents in the rows ``first`` .. ``last`` - 1, for the first pass."""
     tangent, magnitude, width = field.tangent, field.magnitude, field.width
     for y in range(first, last):
-        into = layout.origin + _words(layout, 0, y)
+        into = layout.origin + words_at(layout, 0, y)
         for x0 in range(start, end, LANES):
             x = min(x0, width - LANES)
             i = y * width + x
@@ -300,8 +207,8 @@ def _turn(
     columns, o = layout.columns, layout.origin
     plane = ROWS * columns
     for y in range(rows[0], rows[1]):
-        before, after = o + _tangents(layout, p, y), o + _tangents(layout, p + 1, y)
-        into, of_trace, row = o + _words(layout, p + 1, y), o + _trace(layout, p % kinds, y), o + (y - y0) * columns
+        before, after = o + tangents_at(layout, p, y), o + tangents_at(layout, p + 1, y)
+        into, of_trace, row = o + words_at(layout, p + 1, y), o + trace_at(layout, p % kinds, y), o + (y - y0) * columns
         for x0 in range(start, end, LANES):
             x = min(x0, width - LANES)
             i, sums = y * width + x, row + x

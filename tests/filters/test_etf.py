@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from flowabs_nodes.errors import ArgumentError
-from flowabs_nodes.filters import etf, measure_reference, smoothing
+from flowabs_nodes.filters import etf, measure_reference, rings, smoothing
 from flowabs_nodes.filters.etf import etf_and_reference
 from flowabs_nodes.filters.gradient import gradient
 from flowabs_nodes.filters.threads import limited
@@ -179,7 +179,7 @@ def test_every_radius_and_size_in_float64(shape, radius):
 @pytest.mark.parametrize(("height", "width"), [(1, 16), (300, 31), (40, 2020), (2, 2049), (1080, 1920)])
 def test_tiles_are_the_picture_once_and_wide_enough(threads, height, width):
     with limited(threads):
-        tiles = smoothing._tiles(height, width, 400)
+        tiles = rings.tiles_of(height, width, 400)
     covered = np.zeros((height, width), int)
     for left, right, top, bottom in tiles:
         assert left % 16 == 0
