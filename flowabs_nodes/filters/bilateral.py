@@ -12,8 +12,9 @@ from flowabs_nodes.filters.arguments import Array
 from flowabs_nodes.filters.kernels import inlined, kernel
 from flowabs_nodes.filters.similarity import TINY, closeness, falloff
 from flowabs_nodes.filters.threads import over_rows
-from flowabs_nodes.filters.vector import LANES, exp2, same_floats, select
+from flowabs_nodes.filters.vector import LANES, same_floats, select
 from flowabs_nodes.filters.vector_memory import load, load_triples, store, store_triples
+from flowabs_nodes.filters.vector_special import exp2
 
 KERNELS = ("full", "xy")
 

@@ -22,13 +22,13 @@ from flowabs_nodes.filters.vector import (
     any_lane,
     inlined,
     lane_numbers,
-    look_up,
     maximum,
     minimum,
     same_floats,
     same_ints,
 )
 from flowabs_nodes.filters.vector_memory import load, scratch, soon_read, soon_written, store
+from flowabs_nodes.filters.vector_special import look_up
 from flowabs_nodes.filters.vector_walk import ALL, TOGETHER, advance, column, expect_tangents, new_walks, set_out, turn
 
 Moves = npt.NDArray[np.int32]  # (H, words, 2 ways, row in memory), in one dimension

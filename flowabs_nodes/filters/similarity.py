@@ -22,8 +22,9 @@ from flowabs_nodes.filters.exponential import LOG2_E
 from flowabs_nodes.filters.kernels import kernel
 from flowabs_nodes.filters.points import Frame, padded
 from flowabs_nodes.filters.threads import over_rows
-from flowabs_nodes.filters.vector import LANES, exp2, inlined, same_floats, select
+from flowabs_nodes.filters.vector import LANES, inlined, same_floats, select
 from flowabs_nodes.filters.vector_memory import load, load_quads, load_triples, store, store_quads, store_triples
+from flowabs_nodes.filters.vector_special import exp2
 
 TINY = np.float32(1e-20)  # an alpha from which colours can no longer be told
 

@@ -29,16 +29,9 @@ from flowabs_nodes.filters.rings import (
     words_at,
 )
 from flowabs_nodes.filters.threads import over_rows
-from flowabs_nodes.filters.vector import (
-    LANES,
-    bits_of,
-    minimum,
-    rough_inverse_root,
-    same_floats,
-    select,
-    to_floats,
-)
+from flowabs_nodes.filters.vector import LANES, bits_of, minimum, same_floats, select, to_floats
 from flowabs_nodes.filters.vector_memory import load, load_pairs, soon_read, soon_written, store, store_pairs
+from flowabs_nodes.filters.vector_special import rough_inverse_root
 
 COLUMNS = 400  # of a tile, about: what its passes leave for each other stays in the second-level cache
 WIDER = 10  # times as wide as what it covers beside it, at least

@@ -4,9 +4,8 @@
 ``a * b + 1.0`` or ``select(a < b, a, b)`` and get vector instructions, where numba alone would have to be lucky.
 Numbers beside vectors stand for sixteen of them; nothing turns into another kind by itself (:func:`to_floats`).
 
-Nearly everything here is LLVM's own vector language, which it translates for any processor, in pieces where registers
-are shorter than sixteen floats. Three operations, :func:`exp2`, :func:`look_up` and :func:`rough_inverse_root`, are
-other instructions where there is AVX-512 (:data:`~flowabs_nodes.filters.processor.PATH`).
+Everything here is LLVM's own vector language, which it translates for any processor, in pieces where registers are
+shorter than sixteen floats. What AVX-512 has better is in :mod:`~flowabs_nodes.filters.vector_special`.
 
 How vectors are read and written: :mod:`~flowabs_nodes.filters.vector_memory`.
 """
@@ -26,7 +25,6 @@ from numba.core.typing.templates import AbstractTemplate, infer_global, signatur
 from numba.extending import intrinsic, models, register_model
 
 from flowabs_nodes.filters.kernels import inlined as inlined  # for whoever has everything from here
-from flowabs_nodes.filters.processor import PATH
 
 LANES = 16
 
@@ -62,7 +60,7 @@ def _same(builder: Any, scalar: Any) -> Any:
     return builder.shuffle_vector(one, one, ir.Constant(_INTS, [0] * LANES))
 
 
-def _constant(vector: Any, value: float) -> Any:
+def constant(vector: Any, value: float) -> Any:
     return ir.Constant(vector, [value] * LANES)
 
 
@@ -163,7 +161,7 @@ _comparison(operator.eq, "==")
 # Functions of vectors. ----------------------------------------------------------------------------------------------
 
 
-def _function(kinds: Sequence[Any], result: Any, generate: Callable[..., Any]) -> Any:
+def operation(kinds: Sequence[Any], result: Any, generate: Callable[..., Any]) -> Any:
     """An operation on vectors of these kinds; numbers are taken for vectors. ``generate``: from builder and values."""
 
     def declare(*args: Any) -> Any:
@@ -178,7 +176,7 @@ def _function(kinds: Sequence[Any], result: Any, generate: Callable[..., Any]) -
     return intrinsic(lambda typingctx, x, y: declare(x, y))
 
 
-def _call(name: str, result: Any, *kinds: Any) -> Callable[..., Any]:
+def llvm_function(name: str, result: Any, *kinds: Any) -> Callable[..., Any]:
     """Calls one of LLVM's own functions."""
 
     def generate(builder: Any, *values: Any) -> Any:
@@ -188,30 +186,28 @@ def _call(name: str, result: Any, *kinds: Any) -> Callable[..., Any]:
     return generate
 
 
-_multiply_add = _call("llvm.fmuladd.v16f32", _FLOATS, _FLOATS, _FLOATS, _FLOATS)
-
 #: Whole numbers only.
-to_floats = _function([ints], floats, lambda b, x: b.sitofp(x, _FLOATS))
+to_floats = operation([ints], floats, lambda b, x: b.sitofp(x, _FLOATS))
 #: float32 as float64, which loses nothing, and back, to the nearest.
-to_doubles = _function([floats], doubles, lambda b, x: b.fpext(x, _DOUBLES))
-from_doubles = _function([doubles], floats, lambda b, x: b.fptrunc(x, _FLOATS))
+to_doubles = operation([floats], doubles, lambda b, x: b.fpext(x, _DOUBLES))
+from_doubles = operation([doubles], floats, lambda b, x: b.fptrunc(x, _FLOATS))
 #: The same bits as another kind.
-bits_of = _function([floats], ints, lambda b, x: b.bitcast(x, _INTS))
-from_bits = _function([ints], floats, lambda b, x: b.bitcast(x, _FLOATS))
-same_floats = _function([floats], floats, lambda b, x: x)
-same_doubles = _function([doubles], doubles, lambda b, x: x)
-same_ints = _function([ints], ints, lambda b, x: x)
+bits_of = operation([floats], ints, lambda b, x: b.bitcast(x, _INTS))
+from_bits = operation([ints], floats, lambda b, x: b.bitcast(x, _FLOATS))
+same_floats = operation([floats], floats, lambda b, x: x)
+same_doubles = operation([doubles], doubles, lambda b, x: x)
+same_ints = operation([ints], ints, lambda b, x: x)
 #: Sixteen whole numbers 0, 1 .. 15.
-lane_numbers = _function([], ints, lambda b: ir.Constant(_INTS, list(range(LANES))))
+lane_numbers = operation([], ints, lambda b: ir.Constant(_INTS, list(range(LANES))))
 #: Whether any lane is set.
-any_lane = _function(
+any_lane = operation(
     [masks], types.boolean, lambda b, x: b.icmp_unsigned("!=", b.bitcast(x, ir.IntType(16)), ir.IntType(16)(0))
 )
 
 
 def _of_floats_or_doubles(name: str) -> Any:
     def declare(typingctx: Any, x: Any) -> Any:
-        function = _call(f"llvm.{name}.v16f{32 if x is floats else 64}", x.llvm, x.llvm)
+        function = llvm_function(f"llvm.{name}.v16f{32 if x is floats else 64}", x.llvm, x.llvm)
         return x(x), lambda context, builder, sig, values: function(builder, *values)
 
     return intrinsic(declare)
@@ -235,7 +231,7 @@ def nearest_ints(typingctx: Any, x: Any) -> Any:
 
     def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
         # In 2^52 + 2^51 + x the last bit counts ones: the whole number is the lower half of what it is made of.
-        moved = builder.fadd(values[0], _constant(_DOUBLES, 1.5 * 2.0**52))
+        moved = builder.fadd(values[0], constant(_DOUBLES, 1.5 * 2.0**52))
         halves = builder.bitcast(moved, ir.VectorType(_I32, 2 * LANES))
         return shuffled(builder, halves, halves, range(LOW, 2 * LANES, 2))
 
@@ -249,7 +245,7 @@ def prefix_sums(typingctx: Any, x: Any) -> Any:
     def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
         total = values[0]
         for step in (1, 2, 4, 8):
-            moved = shuffled(builder, _constant(_INTS, 0), total, range(LANES - step, 2 * LANES - step))
+            moved = shuffled(builder, constant(_INTS, 0), total, range(LANES - step, 2 * LANES - step))
             total = builder.add(total, moved)
         return total
 
@@ -289,69 +285,9 @@ minimum, maximum = _first_if("<"), _first_if(">")
 
 
 def _extreme(name: str) -> Any:
-    reduce = _call(f"llvm.vector.reduce.{name}.v16f32", _F32, _FLOATS)
-    return _function([floats], types.float32, lambda b, x: reduce(b, x))
+    reduce = llvm_function(f"llvm.vector.reduce.{name}.v16f32", _F32, _FLOATS)
+    return operation([floats], types.float32, lambda b, x: reduce(b, x))
 
 
 #: The least and the greatest number of sixteen.
 least_lane, greatest_lane = _extreme("fmin"), _extreme("fmax")
-
-
-# Where AVX-512 has something better. --------------------------------------------------------------------------------
-
-if PATH == "avx512":
-    _16, _ALL, _DEFAULT = ir.IntType(16), ir.IntType(16)(-1), _I32(4)
-    _reduce = _call("llvm.x86.avx512.mask.reduce.ps.512", _FLOATS, _FLOATS, _I32, _FLOATS, _16, _I32)
-    _scale = _call("llvm.x86.avx512.mask.scalef.ps.512", _FLOATS, _FLOATS, _FLOATS, _FLOATS, _16, _I32)
-    _permute = _call("llvm.x86.avx512.permvar.si.512", _INTS, _INTS, _INTS)
-    _nothing = _constant(_FLOATS, 0.0)
-
-    #: x - floor(x), and x 2^floor(y).
-    _fraction = _function([floats], floats, lambda b, x: _reduce(b, x, _I32(1), _nothing, _ALL, _DEFAULT))
-    _scaled = _function([floats, floats], floats, lambda b, x, y: _scale(b, x, y, _nothing, _ALL, _DEFAULT))
-    #: table[i & 15] for each i.
-    look_up = _function([ints, ints], ints, lambda b, table, i: _permute(b, table, i))
-    #: 1 / sqrt(x), to 2^-13 of it.
-    _inverse_root = _call("llvm.x86.avx512.rsqrt14.ps.512", _FLOATS, _FLOATS, _FLOATS, _16)
-    rough_inverse_root = _function([floats], floats, lambda b, x: _inverse_root(b, x, _nothing, _ALL))
-else:
-
-    @inlined
-    def rough_inverse_root(x: Any) -> Any:
-        return 1.0 / sqrt(x)
-
-    @inlined
-    def _fraction(x: Any) -> Any:
-        return x - floor(x)
-
-    @inlined
-    def _scaled(x: Any, y: Any) -> Any:
-        return x * from_bits((to_ints(floor(y)) + 127) << 23)
-
-    @intrinsic
-    def look_up(typingctx: Any, table: Any, indices: Any) -> Any:
-        """table[i & 15] for each i."""
-
-        def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
-            result = ir.Constant(_INTS, ir.Undefined)
-            for lane in range(LANES):
-                i = builder.and_(builder.extract_element(values[1], _I32(lane)), _I32(LANES - 1))
-                result = builder.insert_element(result, builder.extract_element(values[0], i), _I32(lane))
-            return result
-
-        return ints(ints, ints), generate
-
-
-@inlined
-def exp2(x: Any) -> Any:
-    """2^x for x <= 0, to 4e-6 of its value; below -100, where nothing is left that would count, 2^-100.
-
-    2^x = 2^floor(x) 2^f: the polynomial is the one of degree 4 with the least relative error on 0 <= f < 1.
-    """
-    x = maximum(x, -100.0)  # sums with numbers below 2^-126, which are held with fewer digits, are slow
-    f = _fraction(x)
-    power = f * 0.01353417 + 0.05201146
-    power = power * f + 0.24144276
-    power = power * f + 0.69300383
-    power = power * f + 1.0000026
-    return _scaled(power, x)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numba import njit
 
-from flowabs_nodes.filters import vector, vector_memory
+from flowabs_nodes.filters import vector, vector_memory, vector_special
 from flowabs_nodes.filters.vector import LANES, lane_numbers, select
 from flowabs_nodes.filters.vector_memory import load, store
 
@@ -134,14 +134,14 @@ def test_the_least_and_the_greatest_lane() -> None:
 
 def test_rough_inverse_root() -> None:
     """Its bound, over all of float32."""
-    inverse_root = kernel(lambda x, _: vector.rough_inverse_root(x))
+    inverse_root = kernel(lambda x, _: vector_special.rough_inverse_root(x))
     for x in np.logspace(-37, 38, 320).reshape(-1, LANES).astype(np.float32):
         np.testing.assert_allclose(inverse_root(x, x), x.astype(np.float64) ** -0.5, rtol=2.0**-13)
 
 
 def test_exp2() -> None:
     """Its bound; and far below, nothing."""
-    exp2 = kernel(lambda x, _: vector.exp2(x))
+    exp2 = kernel(lambda x, _: vector_special.exp2(x))
     for x in np.concatenate([-np.logspace(-30, np.log10(100), 320), [0] * LANES]).reshape(-1, LANES).astype(np.float32):
         np.testing.assert_allclose(exp2(x, x), 2.0 ** x.astype(np.float64), rtol=4e-6)
     far = -np.logspace(np.log10(101), 38, LANES).astype(np.float32)
@@ -244,7 +244,7 @@ def test_neighbouring_records_come_apart_and_together() -> None:
 
 
 def test_look_up_in_a_table_of_sixteen() -> None:
-    np.testing.assert_array_equal(kernel(lambda table, i: vector.look_up(table, i))(M, N), M[N & 15])
+    np.testing.assert_array_equal(kernel(lambda table, i: vector_special.look_up(table, i))(M, N), M[N & 15])
 
 
 def test_sums_along_the_lanes() -> None:
