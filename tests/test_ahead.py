@@ -94,12 +94,17 @@ def test_on_one_processor_nothing_begins(begun):
 
 
 def test_without_another_process_the_run_goes_on(monkeypatch):
+    asked = []
+
     def begin(graph, values):
+        asked.append(graph)
         raise BlockingIOError("no more processes")
 
     monkeypatch.setattr(ahead, "_begin", begin)
     with threads.limited(2), ahead.compiling_ahead("lines", {}):
         unkept.tell()
+        unkept.tell()
+    assert asked == ["lines"]
 
 
 def test_what_it_leaves_on_disk_is_what_the_run_needs(graph, tmp_path):

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from flowabs_nodes.filters.blocks import inline
+from flowabs_nodes.filters.kernels import inline
 
 LOG2_E = 1.4426950408889634
 

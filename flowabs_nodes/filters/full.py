@@ -12,8 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from flowabs_nodes.filters.arguments import Array
-from flowabs_nodes.filters.blocks import inline
-from flowabs_nodes.filters.kernels import kernel
+from flowabs_nodes.filters.kernels import inline, kernel
 from flowabs_nodes.filters.points import Frame, between, frame_of
 from flowabs_nodes.filters.threads import over_rows
 from flowabs_nodes.filters.tiles import widened

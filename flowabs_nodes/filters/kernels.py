@@ -22,6 +22,9 @@ inlined = njit(
     forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, error_model="numpy", fastmath={"contract"}
 )
 
+#: Functions that numba itself inlines, before it compiles: for what LLVM must see in the kernel, as scratch memory.
+inline = njit(inline="always")
+
 
 def kernel(function: Callable[..., Any]) -> Any:
     """A function of this package as a kernel: compiled when it is first called, or read from disk."""

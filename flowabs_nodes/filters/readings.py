@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from flowabs_nodes.filters.blocks import inline
+from flowabs_nodes.filters.kernels import inline
 from flowabs_nodes.filters.points import Frame, between, nearest
 from flowabs_nodes.filters.similarity import TINY, Color
 from flowabs_nodes.filters.vector import LANES, inlined, select

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from flowabs_nodes.filters.blocks import inline
+from flowabs_nodes.filters.kernels import inline
 from flowabs_nodes.filters.tiles import COLUMNS, Tile, place
 from flowabs_nodes.filters.vector import LANES, inlined, lane_numbers, same_ints, select, to_floats, to_ints
 from flowabs_nodes.filters.vector_memory import load, scratch, store

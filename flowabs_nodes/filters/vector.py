@@ -282,12 +282,3 @@ def _first_if(sign: str) -> Any:
 
 
 minimum, maximum = _first_if("<"), _first_if(">")
-
-
-def _extreme(name: str) -> Any:
-    reduce = llvm_function(f"llvm.vector.reduce.{name}.v16f32", _F32, _FLOATS)
-    return operation([floats], types.float32, lambda b, x: reduce(b, x))
-
-
-#: The least and the greatest number of sixteen.
-least_lane, greatest_lane = _extreme("fmin"), _extreme("fmax")

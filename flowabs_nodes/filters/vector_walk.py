@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from flowabs_nodes.filters.blocks import inline
+from flowabs_nodes.filters.kernels import inline
 from flowabs_nodes.filters.points import Frame, nearest
 from flowabs_nodes.filters.vector import LANES, inlined, same_doubles, select, to_doubles
 from flowabs_nodes.filters.vector_memory import load, load_pairs, pairs_at, scratch, soon_read, store

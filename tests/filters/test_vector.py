@@ -122,16 +122,6 @@ def test_doubles_are_exact_where_floats_are_not() -> None:
     np.testing.assert_allclose(out, x, rtol=0.1)  # (1 + x)^2 - (1 + x): 1 + x is just 1 in float32
 
 
-def test_the_least_and_the_greatest_lane() -> None:
-    @njit
-    def extremes(numbers: Any) -> Any:
-        return vector.least_lane(load(numbers, 0)), vector.greatest_lane(load(numbers, 0))
-
-    for _ in range(10):
-        numbers = RANDOM.normal(size=LANES).astype(np.float32)
-        assert extremes(numbers) == (numbers.min(), numbers.max())
-
-
 def test_rough_inverse_root() -> None:
     """Its bound, over all of float32."""
     inverse_root = kernel(lambda x, _: vector_special.rough_inverse_root(x))
