@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from flowabs_nodes import color, filters
-    from flowabs_nodes.engine.frames import run
+    from flowabs_nodes.engine.render_sequence import run
     from flowabs_nodes.engine.report import Report
     from flowabs_nodes.engine.runnable import RunnableGraph, load_graph
     from flowabs_nodes.errors import FlowabsError
@@ -32,7 +32,7 @@ _HOMES = {
     "Report": "engine.report",
     "RunnableGraph": "engine.runnable",
     "load_graph": "engine.runnable",
-    "run": "engine.frames",
+    "run": "engine.render_sequence",
 }
 _MODULES = ("color", "filters")
 

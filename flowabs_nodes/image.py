@@ -11,8 +11,8 @@ import numpy.typing as npt
 import OpenImageIO as oiio
 
 from flowabs_nodes import color
-from flowabs_nodes.color.undecoded import Undecoded
 from flowabs_nodes.errors import ArgumentError, nearest
+from flowabs_nodes.finishing.deferred import Undecoded
 
 Array = npt.NDArray[np.float32]
 

@@ -5,7 +5,7 @@ import pytest
 
 from flowabs_nodes import color, filters
 from flowabs_nodes.color import codes as encodings
-from flowabs_nodes.engine.apply import apply
+from flowabs_nodes.engine.call_node import apply
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes import catalogue
 from flowabs_nodes.nodes.declare import Context

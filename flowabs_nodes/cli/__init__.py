@@ -17,17 +17,17 @@ from typing import NoReturn
 import click
 
 import flowabs_nodes
-from flowabs_nodes.cli.catalogue import graphs, nodes, schema
 from flowabs_nodes.cli.check import check
+from flowabs_nodes.cli.listings import graphs, nodes, schema
 from flowabs_nodes.cli.run import run
-from flowabs_nodes.engine.failures import InternalError
-from flowabs_nodes.engine.stop import Stopped, stop_on_signals
+from flowabs_nodes.engine.error_boundary import InternalError
+from flowabs_nodes.engine.signals import Stopped, stop_on_signals
 from flowabs_nodes.errors import FlowabsError, ReadError, WriteError
 
 
 def _version(context: click.Context, option: click.Parameter, value: bool) -> None:
     if value:
-        from flowabs_nodes.filters.processor import PATH
+        from flowabs_nodes.simd.target import PATH
 
         click.echo(f"flowabs {flowabs_nodes.__version__} (kernels: {PATH})")
         context.exit()

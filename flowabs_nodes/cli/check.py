@@ -6,7 +6,7 @@ import json
 
 import click
 
-from flowabs_nodes.cli.catalogue import warn_of_missing_nodes
+from flowabs_nodes.cli.listings import warn_of_missing_nodes
 
 
 @click.command()

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from flowabs_nodes.cli.catalogue import warn_of_missing_nodes
+from flowabs_nodes.cli.listings import warn_of_missing_nodes
 from flowabs_nodes.errors import FlowabsError
 
 
@@ -83,10 +83,10 @@ def run(
     Exit codes: 0 every frame is there, 1 one is not, 2 the graph or the command is wrong, 130 and 143 stopped.
     """
     from flowabs_nodes import engine
-    from flowabs_nodes.cli.ahead import compiling_ahead
+    from flowabs_nodes.cli.precompile import compiling_ahead
     from flowabs_nodes.cli.progress import Bar, JsonLines, Lines, on_a_terminal
-    from flowabs_nodes.filters.processor import kernel_path
     from flowabs_nodes.io.settings import Settings
+    from flowabs_nodes.simd.target import kernel_path
 
     kernel_path()  # what is wrong with FLOWABS_SIMD is wrong for every frame
     warn_of_missing_nodes()

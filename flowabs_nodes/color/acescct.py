@@ -1,6 +1,6 @@
 """ACEScct (Academy S-2016-001) of each channel in AP1, in code values, x 255 / ACEScct(1): kernels.
 
-Pictures are runs of pixels (:mod:`~flowabs_nodes.filters.pointwise`); what is not wanted, or not there, is a run of no
+Pictures are runs of pixels (:mod:`~flowabs_nodes.simd.pixelwise`); what is not wanted, or not there, is a run of no
 pixels. Each kernel returns whether there is a number that is not finite.
 """
 
@@ -9,14 +9,14 @@ from __future__ import annotations
 from typing import Any
 
 from flowabs_nodes.color import constants
-from flowabs_nodes.color.elementary import exp2, log2
-from flowabs_nodes.color.matrix import Rows, mix, second
-from flowabs_nodes.filters.composite import over
-from flowabs_nodes.filters.kernels import inlined, kernel
-from flowabs_nodes.filters.pixels import covering, seen
-from flowabs_nodes.filters.pointwise import doubt, doubtful, first_of
-from flowabs_nodes.filters.vector import same_floats, select
-from flowabs_nodes.filters.vector_memory import load, load_triples, store, store_quads, store_triples
+from flowabs_nodes.filters.compositing import over
+from flowabs_nodes.simd.elementary import exp2, log2
+from flowabs_nodes.simd.jit import inlined, kernel
+from flowabs_nodes.simd.lanes import same_floats, select
+from flowabs_nodes.simd.matrix3 import Rows, mix, second
+from flowabs_nodes.simd.memory import load, load_triples, store, store_quads, store_triples
+from flowabs_nodes.simd.pixelwise import doubt, doubtful, first_of
+from flowabs_nodes.simd.premultiplied import covering, seen
 
 UNIT = 255 / constants.ACESCCT_WHITE  # code values of ACEScct 1.0
 X_BREAK = constants.ACESCCT_X_BRK
@@ -50,7 +50,7 @@ def encode(
     codes: Any,
     mono: Any,
 ) -> Any:
-    """What is :func:`~flowabs_nodes.filters.pixels.seen` of a picture as ACEScct of R, G, B, and of its AP1 luminance.
+    """What is seen of a picture (``premultiplied.seen``) as ACEScct of R, G, B, and of its AP1 luminance.
 
     That is the second row of ``to_luminance``.
     """

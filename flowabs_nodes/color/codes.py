@@ -12,14 +12,14 @@ import numpy as np
 import numpy.typing as npt
 
 from flowabs_nodes.color import SPACES, acescct, lab
-from flowabs_nodes.color.matrix import Rows, rows
 from flowabs_nodes.color.spaces import KNOWN, ColorSpace, normalised, to_ap1
 from flowabs_nodes.color.spaces import space as find_space
-from flowabs_nodes.color.undecoded import Undecoded
 from flowabs_nodes.errors import ArgumentError, nearest
-from flowabs_nodes.filters.arguments import refuse
-from flowabs_nodes.filters.pointwise import new_run, over_pixels, picture_of, run_of
-from flowabs_nodes.filters.vouched import vouch
+from flowabs_nodes.filters.validate import refuse
+from flowabs_nodes.finishing.deferred import Undecoded
+from flowabs_nodes.simd.known_finite import vouch
+from flowabs_nodes.simd.matrix3 import Rows, rows
+from flowabs_nodes.simd.pixelwise import new_run, over_pixels, picture_of, run_of
 
 Array = npt.NDArray[np.float32]
 

@@ -3,7 +3,7 @@
 The kernels work with g = f - 16/116 instead of CIE's f: then L* = 116 g(Y), the toe is g = kappa/116 x without an
 offset to cancel against, and black, tiny and negative values keep all their digits.
 
-Pictures are runs of pixels (:mod:`~flowabs_nodes.filters.pointwise`); what is not wanted, or not there, is a run of no
+Pictures are runs of pixels (:mod:`~flowabs_nodes.simd.pixelwise`); what is not wanted, or not there, is a run of no
 pixels. Each kernel returns whether there is a number that is not finite.
 """
 
@@ -12,15 +12,15 @@ from __future__ import annotations
 from typing import Any
 
 from flowabs_nodes.color import constants
-from flowabs_nodes.color.elementary import cube_root
-from flowabs_nodes.color.matrix import Rows, mix, second
-from flowabs_nodes.filters.composite import over
-from flowabs_nodes.filters.kernels import inlined, kernel
-from flowabs_nodes.filters.pixels import covering, rgba, seen
-from flowabs_nodes.filters.pointwise import doubt, doubtful, first_of
-from flowabs_nodes.filters.quantize import Steps, middle
-from flowabs_nodes.filters.vector import absolute, maximum, same_floats, select
-from flowabs_nodes.filters.vector_memory import load, load_triples, store, store_quads, store_triples
+from flowabs_nodes.filters.compositing import over
+from flowabs_nodes.filters.regions.quantize import Steps, middle
+from flowabs_nodes.simd.elementary import cube_root
+from flowabs_nodes.simd.jit import inlined, kernel
+from flowabs_nodes.simd.lanes import absolute, maximum, same_floats, select
+from flowabs_nodes.simd.matrix3 import Rows, mix, second
+from flowabs_nodes.simd.memory import load, load_triples, store, store_quads, store_triples
+from flowabs_nodes.simd.pixelwise import doubt, doubtful, first_of
+from flowabs_nodes.simd.premultiplied import covering, rgba, seen
 
 EPSILON = constants.LAB_EPSILON
 SLOPE = constants.LAB_KAPPA / 116
@@ -53,7 +53,7 @@ def _gain(gy: Any, steps: Steps) -> Any:
 def encode(
     first: int, last: int, pixels: Any, channels: int, ground: float, to_xyz: Rows, codes: Any, mono: Any
 ) -> Any:
-    """What is :func:`~flowabs_nodes.filters.pixels.seen` of a picture as L*, a*, b*, and as L* alone.
+    """What is :func:`~flowabs_nodes.simd.premultiplied.seen` of a picture as L*, a*, b*, and as L* alone.
 
     ``to_xyz`` is over the white.
     """

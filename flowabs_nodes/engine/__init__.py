@@ -6,7 +6,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from flowabs_nodes.engine.frames import run
+    from flowabs_nodes.engine.render_sequence import run
     from flowabs_nodes.engine.report import FrameReport, Note, Report
     from flowabs_nodes.engine.runnable import RunnableGraph, load_graph
 
@@ -16,7 +16,7 @@ _HOMES = {
     "Report": "report",
     "RunnableGraph": "runnable",
     "load_graph": "runnable",
-    "run": "frames",
+    "run": "render_sequence",
 }
 
 __all__ = ["FrameReport", "Note", "Report", "RunnableGraph", "load_graph", "run"]

@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flowabs_nodes.engine.apply import apply, deliver
-from flowabs_nodes.engine.failures import contained
+from flowabs_nodes.engine.call_node import apply, deliver
+from flowabs_nodes.engine.error_boundary import contained
+from flowabs_nodes.engine.lengths import length_factor, scale_lengths
 from flowabs_nodes.engine.plan import Result, Step, Unit
 from flowabs_nodes.engine.report import Note
 from flowabs_nodes.engine.resize import scale_image
-from flowabs_nodes.engine.scale import length_factor, scale_lengths
-from flowabs_nodes.filters.vouched import remembered
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node
+from flowabs_nodes.simd.known_finite import remembered
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -14,8 +14,8 @@ from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from flowabs_nodes import __version__
+from flowabs_nodes.engine.lengths import has_lengths
 from flowabs_nodes.engine.plan import Result, Step, Unit
-from flowabs_nodes.engine.scale import has_lengths
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Node
 

@@ -10,10 +10,10 @@ from typing import Any, cast
 
 from flowabs_nodes import graph as graphs
 from flowabs_nodes.engine.evaluate import Evaluation
+from flowabs_nodes.engine.lengths import check_scale
 from flowabs_nodes.engine.plan import Result, Unit, make_plan, named_result, sinks
 from flowabs_nodes.engine.report import Listener, Note, note_event
 from flowabs_nodes.engine.resize import scale_image
-from flowabs_nodes.engine.scale import check_scale
 from flowabs_nodes.engine.sources import find_sources
 from flowabs_nodes.errors import ArgumentError, CommandError
 from flowabs_nodes.graph.model import Graph

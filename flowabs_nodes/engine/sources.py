@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from flowabs_nodes.engine.failures import contained
+from flowabs_nodes.engine.error_boundary import contained
 from flowabs_nodes.engine.plan import Step, Unit, file_role
 from flowabs_nodes.errors import CommandError
 from flowabs_nodes.io.hashing import content_hash

@@ -1,36 +1,32 @@
 """The paper's filters: pure functions on arrays of code values (0..255 white), no files, no graph.
 
-Each is imported when it is first asked for, so that node declarations can be read without numba. Modules are called
-after their function (``filters/etf.py`` holds ``etf``); as an attribute of this package the name always means the
-function.
+Each is imported when it is first asked for, so that node declarations can be read without numba.
 """
 
 from __future__ import annotations
 
 import importlib
-import sys
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from flowabs_nodes.filters.bilateral import bilateral
-    from flowabs_nodes.filters.bilateral_oriented import bilateral_oriented
-    from flowabs_nodes.filters.blur import blur
-    from flowabs_nodes.filters.canny import canny
-    from flowabs_nodes.filters.composite import composite
-    from flowabs_nodes.filters.dog import dog
-    from flowabs_nodes.filters.etf import etf
-    from flowabs_nodes.filters.fbl import fbl
-    from flowabs_nodes.filters.fdog import fdog
-    from flowabs_nodes.filters.fdog_iterative import fdog_iterative
-    from flowabs_nodes.filters.flow_blur import flow_blur
-    from flowabs_nodes.filters.flow_color import flow_color
-    from flowabs_nodes.filters.gradient import measure_reference
-    from flowabs_nodes.filters.lic import lic
-    from flowabs_nodes.filters.mean_shift import mean_shift, measure_clipping
-    from flowabs_nodes.filters.quantize import quantize
-    from flowabs_nodes.filters.threshold import threshold
-    from flowabs_nodes.filters.xdog import xdog, xdog_rho
+    from flowabs_nodes.filters.compositing import composite
+    from flowabs_nodes.filters.flow.etf import etf
+    from flowabs_nodes.filters.flow.flow_blur import flow_blur
+    from flowabs_nodes.filters.flow.flow_color import flow_color
+    from flowabs_nodes.filters.flow.gradient import measure_reference
+    from flowabs_nodes.filters.flow.lic import lic
+    from flowabs_nodes.filters.gaussian_blur import blur
+    from flowabs_nodes.filters.lines.canny import canny
+    from flowabs_nodes.filters.lines.dog import dog
+    from flowabs_nodes.filters.lines.fdog import fdog
+    from flowabs_nodes.filters.lines.fdog_iterative import fdog_iterative
+    from flowabs_nodes.filters.lines.threshold import threshold
+    from flowabs_nodes.filters.lines.xdog import xdog, xdog_rho
+    from flowabs_nodes.filters.regions.bilateral import bilateral
+    from flowabs_nodes.filters.regions.bilateral_oriented import bilateral_oriented
+    from flowabs_nodes.filters.regions.fbl import fbl
+    from flowabs_nodes.filters.regions.mean_shift import mean_shift, measure_clipping
+    from flowabs_nodes.filters.regions.quantize import quantize
 
 __all__ = [
     "bilateral",
@@ -55,30 +51,35 @@ __all__ = [
     "xdog_rho",
 ]
 
-_MODULES = {name: name for name in __all__} | {
-    "measure_clipping": "mean_shift",
-    "measure_reference": "gradient",
-    "xdog_rho": "xdog",
+#: Which module of this package holds each function.
+_HOMES = {
+    "bilateral": "regions.bilateral",
+    "bilateral_oriented": "regions.bilateral_oriented",
+    "blur": "gaussian_blur",
+    "canny": "lines.canny",
+    "composite": "compositing",
+    "dog": "lines.dog",
+    "etf": "flow.etf",
+    "fbl": "regions.fbl",
+    "fdog": "lines.fdog",
+    "fdog_iterative": "lines.fdog_iterative",
+    "flow_blur": "flow.flow_blur",
+    "flow_color": "flow.flow_color",
+    "lic": "flow.lic",
+    "mean_shift": "regions.mean_shift",
+    "measure_clipping": "regions.mean_shift",
+    "measure_reference": "flow.gradient",
+    "quantize": "regions.quantize",
+    "threshold": "lines.threshold",
+    "xdog": "lines.xdog",
+    "xdog_rho": "lines.xdog",
 }
 
 
-class _Filters(ModuleType):
-    """Importing a submodule binds it to its package; here that binds the function of the same name instead."""
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        if isinstance(value, ModuleType) and name in __all__:
-            value = getattr(value, name)
-        super().__setattr__(name, value)
-
-
-sys.modules[__name__].__class__ = _Filters
-
-
 def __getattr__(name: str) -> Any:
-    if name not in __all__:
+    if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    module = importlib.import_module(f"{__name__}.{_MODULES[name]}")
-    function = getattr(module, name)
+    function = getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
     globals()[name] = function
     return function
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from flowabs_nodes.graph import shape
+from flowabs_nodes.graph import document_keys
 from flowabs_nodes.graph.model import KNOB_TYPES, Knob, KnobType
 from flowabs_nodes.graph.problems import Place, Problems, show
 from flowabs_nodes.nodes.declare import Param
@@ -27,13 +27,13 @@ DRIVES: Mapping[str, tuple[KnobType, ...]] = {
 def read_knobs(interface: dict[str, Any], problems: Problems) -> dict[str, Knob | None]:
     """Every knob by name; None for one that is not right, of which nothing more is said."""
     place = ("interface",)
-    entries = shape.named(interface, place, "a knob's name", problems)
+    entries = document_keys.named(interface, place, "a knob's name", problems)
     return {name: _read_knob(name, raw, (*place, name), problems) for name, raw in entries.items()}
 
 
 def _read_knob(name: str, raw: Any, place: Place, problems: Problems) -> Knob | None:
     before = problems.errors
-    knob = shape.fields(raw, place, shape.KNOB, problems, required=("type", "default"))
+    knob = document_keys.fields(raw, place, document_keys.KNOB, problems, required=("type", "default"))
     kind = knob.get("type")
     if kind is not None and kind not in KNOB_TYPES:
         expected = f"one of {', '.join(KNOB_TYPES)}"

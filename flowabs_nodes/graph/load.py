@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from flowabs_nodes.errors import CommandError
-from flowabs_nodes.graph.guard import MOST_BYTES, parse
+from flowabs_nodes.graph.jsonable import plain
 from flowabs_nodes.graph.model import Graph
-from flowabs_nodes.graph.plain import plain
 from flowabs_nodes.graph.problems import GraphError, Problem, Problems
+from flowabs_nodes.graph.safe_json import MOST_BYTES, parse
 from flowabs_nodes.graph.shipped import resolve
 from flowabs_nodes.graph.validate import validate
 from flowabs_nodes.nodes import catalogue as installed

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from flowabs_nodes.graph.guard import parse
+from flowabs_nodes.graph.jsonable import plain
 from flowabs_nodes.graph.model import Graph
-from flowabs_nodes.graph.plain import plain
 from flowabs_nodes.graph.problems import GraphError, Place, Problem, Problems, pointer, show
+from flowabs_nodes.graph.safe_json import parse
 from flowabs_nodes.graph.validate import validate
 
 

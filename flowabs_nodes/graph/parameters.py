@@ -6,10 +6,10 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+from flowabs_nodes.graph.document_keys import NUMBER
 from flowabs_nodes.graph.knobs import check_drives
 from flowabs_nodes.graph.model import Knob
 from flowabs_nodes.graph.problems import Place, Problems, show
-from flowabs_nodes.graph.shape import NUMBER
 from flowabs_nodes.graph.values import Curve, FromKnob, Literal, Value
 from flowabs_nodes.nodes.declare import Param
 

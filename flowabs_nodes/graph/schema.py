@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from flowabs_nodes.graph import shape
+from flowabs_nodes.graph import document_keys
 from flowabs_nodes.graph.links import taken_names
 from flowabs_nodes.graph.model import FORMAT, KNOB_TYPES, NAME
 from flowabs_nodes.graph.parameters import FRAME
@@ -23,7 +23,7 @@ Schema = dict[str, Any]
 def schema(catalogue: Mapping[str, Node] | None = None) -> Schema:
     """The schema for graphs of these nodes (all that are installed unless given)."""
     nodes = installed() if catalogue is None else catalogue
-    properties = {key: dict(kind.schema) for key, kind in shape.GRAPH.items()}
+    properties = {key: dict(kind.schema) for key, kind in document_keys.GRAPH.items()}
     properties["format"] = {"const": FORMAT}
     properties["reference_height"] |= {
         "exclusiveMinimum": 0,
@@ -81,7 +81,7 @@ def _knob() -> Schema:
         if kind == "enum":
             then["required"] = ["choices"]
         rules.append({"if": {"properties": {"type": {"const": kind}}, "required": ["type"]}, "then": then})
-    properties = {key: dict(kind.schema) for key, kind in shape.KNOB.items()}
+    properties = {key: dict(kind.schema) for key, kind in document_keys.KNOB.items()}
     properties["type"] = {"enum": list(KNOB_TYPES)}
     properties["choices"] |= {"items": {"type": "string"}, "minItems": 1, "uniqueItems": True}
     return {

@@ -20,8 +20,8 @@ from flowabs_nodes.errors import WriteError
 from flowabs_nodes.image import Array, Image
 from flowabs_nodes.io import alpha as alphas
 from flowabs_nodes.io import attributes, exr_header, nonfinite
-from flowabs_nodes.io.kept import alpha_left_out, kept_layers
-from flowabs_nodes.io.picture import Picture, layer_planes, main_planes
+from flowabs_nodes.io.output_image import Picture, layer_planes, main_planes
+from flowabs_nodes.io.passthrough import alpha_left_out, kept_layers
 
 Say = Callable[[str], None]
 Planes = dict[str, npt.NDArray[Any]]

@@ -15,9 +15,9 @@ from flowabs_nodes.color import ocio
 from flowabs_nodes.errors import WriteError
 from flowabs_nodes.image import Image
 from flowabs_nodes.io import alpha as alphas
-from flowabs_nodes.io import attributes, formats, nonfinite, stamps
-from flowabs_nodes.io.container import open_picture, reason
-from flowabs_nodes.io.picture import Picture, main_planes
+from flowabs_nodes.io import attributes, formats, nonfinite, provenance
+from flowabs_nodes.io.image_file import open_picture, reason
+from flowabs_nodes.io.output_image import Picture, main_planes
 from flowabs_nodes.io.settings import Settings
 
 Say = Callable[[str], None]
@@ -114,7 +114,7 @@ def _spec(
         spec.attribute(name, value)
     if kind == "tiff":
         lines = {name: str(value) for name, value in picture.metadata.items() if name != "ImageDescription"}
-        text = stamps.in_description(spec.get_string_attribute("ImageDescription"), {**lines, **marks})
+        text = provenance.in_description(spec.get_string_attribute("ImageDescription"), {**lines, **marks})
         spec.attribute("ImageDescription", text)
         spec.attribute("compression", "zip")
     else:

@@ -14,7 +14,7 @@ from flowabs_nodes.color import ColorSpace, named
 from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.image import Image, Window
 from flowabs_nodes.io import attributes, formats
-from flowabs_nodes.io.container import open_picture
+from flowabs_nodes.io.image_file import open_picture
 from flowabs_nodes.io.settings import Settings
 
 #: What the encoder decides, or what would no longer be true of new pixels (the thumbnail).

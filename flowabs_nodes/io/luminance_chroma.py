@@ -17,7 +17,7 @@ from flowabs_nodes import color
 from flowabs_nodes.color import detect
 from flowabs_nodes.errors import ReadError
 from flowabs_nodes.io import attributes
-from flowabs_nodes.io.container import check_size, printable
+from flowabs_nodes.io.image_file import check_size, printable
 from flowabs_nodes.io.settings import Settings
 
 Array = npt.NDArray[np.float32]

@@ -14,11 +14,11 @@ from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.image import Array, Image, Origin
 from flowabs_nodes.io import alpha as alphas
 from flowabs_nodes.io import nonfinite as nonfinites
-from flowabs_nodes.io.container import open_picture
+from flowabs_nodes.io.image_file import open_picture
+from flowabs_nodes.io.layers import Selection, choose_color, choose_data
 from flowabs_nodes.io.orientation import upright
-from flowabs_nodes.io.selection import Selection, choose_color, choose_data
+from flowabs_nodes.io.provenance import without_stamps
 from flowabs_nodes.io.settings import Settings, checked
-from flowabs_nodes.io.stamps import without_stamps
 
 Say = Callable[[str], None]
 

@@ -11,13 +11,13 @@ from contextlib import nullcontext
 
 from flowabs_nodes.errors import FlowabsError, WriteError
 from flowabs_nodes.io import formats
-from flowabs_nodes.io.claims import Claim, claim, failure
 from flowabs_nodes.io.encode_exr import encode_exr
 from flowabs_nodes.io.encode_flat import encode_flat
-from flowabs_nodes.io.picture import Picture, build_picture
+from flowabs_nodes.io.frame_lock import Claim, claim, failure
+from flowabs_nodes.io.output_image import Picture, build_picture
+from flowabs_nodes.io.provenance import GRAPH, KEY, stored_key
 from flowabs_nodes.io.settings import Settings, checked
-from flowabs_nodes.io.stamps import GRAPH, KEY, stored_key
-from flowabs_nodes.io.whole import is_whole
+from flowabs_nodes.io.verify import is_whole
 
 __all__ = ["Picture", "build_picture", "is_whole", "save", "stored_key"]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from flowabs_nodes.nodes.compare import BILATERAL, BILATERAL_ORIENTED, CANNY, MEAN_SHIFT
+from flowabs_nodes.nodes.baselines import BILATERAL, BILATERAL_ORIENTED, CANNY, MEAN_SHIFT
 from flowabs_nodes.nodes.composite import COMPOSITE
 from flowabs_nodes.nodes.declare import Node
 from flowabs_nodes.nodes.flow import ETF, FLOW_BLUR, FLOW_COLOR, LIC

@@ -18,10 +18,10 @@ def run_composite(
     opacity: float,
     space: str,
 ) -> dict[str, Image]:
-    from flowabs_nodes.filters import arguments  # what numba compiles is not imported for a declaration
-    from flowabs_nodes.filters.composite import inked
+    from flowabs_nodes.filters import validate  # what numba compiles is not imported for a declaration
+    from flowabs_nodes.filters.compositing import inked
 
-    drawing = arguments.plane("lines", lines.pixels[..., 0])
+    drawing = validate.plane("lines", lines.pixels[..., 0])
     results = {}
     if "image" in context.wanted or not context.wanted:
         codes = image.undecoded

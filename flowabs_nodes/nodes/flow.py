@@ -7,8 +7,8 @@ from typing import Any
 
 from flowabs_nodes import filters
 from flowabs_nodes.image import Image
+from flowabs_nodes.nodes.common_params import GROUND, SPACE, sampling
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
-from flowabs_nodes.nodes.shared import GROUND, SPACE, sampling
 
 
 def _reference_problem(value: Any) -> str | None:
@@ -34,7 +34,9 @@ def run_etf(
     space: str,
     **etf: Any,
 ) -> Image:
-    from flowabs_nodes.filters.etf import etf_and_reference  # what numba compiles is not imported for a declaration
+    from flowabs_nodes.filters.flow.etf import (
+        etf_and_reference,  # what numba compiles is not imported for a declaration
+    )
 
     code = image.encoded(space, ground=ground) if color else image.encoded_mono(space, ground=ground)
     flow, reference = etf_and_reference(code, gradient_reference=gradient_reference, **etf)

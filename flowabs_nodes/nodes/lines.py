@@ -12,8 +12,8 @@ import numpy as np
 
 from flowabs_nodes import filters
 from flowabs_nodes.image import Array, Image
+from flowabs_nodes.nodes.common_params import GROUND, SPACE, sampling
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
-from flowabs_nodes.nodes.shared import GROUND, SPACE, sampling
 
 IMAGE = Port("image", "color", "The picture to draw.")
 FLOW = Port("flow", "flow", "The flow that lines follow.")

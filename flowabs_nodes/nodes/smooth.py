@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from flowabs_nodes import filters
 from flowabs_nodes.image import Image
+from flowabs_nodes.nodes.common_params import SPACE, sampling
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
-from flowabs_nodes.nodes.shared import SPACE, sampling
 
 
 def run_fbl(

@@ -37,7 +37,7 @@ def run_write(
     **layers: Image,
 ) -> dict[str, Any]:
     """The picture, ready to save; where it goes (``file``) is the engine's business."""
-    from flowabs_nodes.io.picture import build_picture
+    from flowabs_nodes.io.output_image import build_picture
 
     picture = build_picture(
         image,

@@ -8,14 +8,14 @@ from functools import partial
 
 import numpy as np
 
-from flowabs_nodes.engine.apply import apply, deliver
-from flowabs_nodes.engine.failures import InternalError
+from flowabs_nodes.engine.call_node import apply, deliver
+from flowabs_nodes.engine.error_boundary import InternalError
 from flowabs_nodes.errors import FlowabsError
-from flowabs_nodes.filters import threads
 from flowabs_nodes.image import PORT_TYPES, Array, Image
 from flowabs_nodes.io.settings import Settings
 from flowabs_nodes.nodes.declare import MASK, Context, Node
 from flowabs_nodes.nodes.param import Param
+from flowabs_nodes.simd import bands
 from flowabs_nodes.testing.pictures import SCENES, make_input
 from flowabs_nodes.testing.running import ComplianceError, equal, finite, inputs_of, require, run_node
 
@@ -128,8 +128,8 @@ def gives_the_same_again(node: Node) -> None:
 def same_on_any_number_of_threads(node: Node) -> None:
     inputs = partial(inputs_of, node, "noise", 37, 41)
     expected = run_node(node, inputs())
-    for count in {1, 2, threads.every()}:
-        with threads.limited(count):
+    for count in {1, 2, bands.every()}:
+        with bands.limited(count):
             for name, image in run_node(node, inputs()).items():
                 require(equal(image, expected[name]), f"output {name!r} differs on {count} threads")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from flowabs_nodes.engine.failures import InternalError
+from flowabs_nodes.engine.error_boundary import InternalError
 from flowabs_nodes.engine.keys import node_key
 from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.image import Image

@@ -7,7 +7,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from flowabs_nodes.engine.apply import apply
+from flowabs_nodes.engine.call_node import apply
 from flowabs_nodes.image import Image, PortType
 from flowabs_nodes.nodes.declare import Context, Node
 from flowabs_nodes.testing.pictures import make_input

@@ -11,7 +11,7 @@ from hypothesis.extra import numpy as hnp
 from flowabs_nodes import color
 from flowabs_nodes.color.spaces import KNOWN, SOURCES, normalised, to_ap1
 from flowabs_nodes.errors import ArgumentError, ColorError
-from flowabs_nodes.filters import threads
+from flowabs_nodes.simd import bands
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")
@@ -163,7 +163,7 @@ def test_same_bits_at_any_number_of_threads(space):
     rgb = pixels(shape=(61, 47))
     results = []
     for count in (1, 2, 3):
-        with threads.limited(count):
+        with bands.limited(count):
             codes = color.encode(rgb, space)
             results.append((codes, color.decode(codes, space), color.encode_mono(rgb, space)))
     for result in results[1:]:

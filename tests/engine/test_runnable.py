@@ -178,14 +178,15 @@ def test_code_values_of_a_given_image_are_made_once_and_go_with_the_run():
 
 
 def test_an_array_is_searched_for_nan_once_in_a_run(monkeypatch):
-    from flowabs_nodes.filters import arguments, finite
+    from flowabs_nodes.filters import validate
+    from flowabs_nodes.simd import finite
 
     looks = []
     original = finite.over_pixels
     monkeypatch.setattr(finite, "over_pixels", lambda *args: looks.append(1) or original(*args))
 
     def look(context, image):
-        arguments.planes("rgb", image.pixels)
+        validate.planes("rgb", image.pixels)
         return image
 
     port = Port("image", "color", "A picture.")

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import flowabs_nodes as fa
-from flowabs_nodes.gallery import drawings, inputs
 from flowabs_nodes.io.read import read_image
 from flowabs_nodes.io.settings import Settings
+from tools.gallery import drawings, inputs
 
 PHOTOGRAPHS = ("chelsea.png", "coffee.exr", "astronaut.jpg")
 

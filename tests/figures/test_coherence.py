@@ -5,8 +5,8 @@ from itertools import pairwise
 import pytest
 
 from flowabs_nodes.filters import etf, fdog, fdog_iterative, threshold
-from flowabs_nodes.gallery.measures import ink_components
 from tests.figures.graphs import PHOTOGRAPHS, code
+from tools.gallery.measures import ink_components
 
 TAU = 0.2
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from flowabs_nodes.color import encode_mono
-from flowabs_nodes.gallery import drawings
-from flowabs_nodes.gallery.measures import ink_components
+from tools.gallery import drawings
+from tools.gallery.measures import ink_components
 
 
 @pytest.mark.parametrize(

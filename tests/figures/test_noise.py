@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from flowabs_nodes.filters import dog, etf, fdog, threshold
-from flowabs_nodes.gallery import drawings
-from flowabs_nodes.gallery.measures import f_score
 from tests.figures.graphs import run
+from tools.gallery import drawings
+from tools.gallery.measures import f_score
 
 CONTOUR = drawings.disc_contour()
 SEEDS = range(6)

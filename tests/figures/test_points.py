@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from flowabs_nodes.gallery import drawings
-from flowabs_nodes.gallery.measures import f_score, ink_components, is_closed_ring
 from tests.figures.graphs import run
+from tools.gallery import drawings
+from tools.gallery.measures import f_score, ink_components, is_closed_ring
 
 CENTRE = (drawings.CENTRE, drawings.CENTRE)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flowabs_nodes.gallery import measures, restoration
+from tools.gallery import measures, restoration
 
 
 @pytest.fixture(scope="module")

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from flowabs_nodes.filters import etf, flow_color
-from flowabs_nodes.filters.gradient import gradient
-from flowabs_nodes.gallery import drawings
+from flowabs_nodes.filters.flow.gradient import gradient
 from tests.figures.graphs import PHOTOGRAPHS, code, photograph, run
+from tools.gallery import drawings
 
 
 def distance(picture, **options):

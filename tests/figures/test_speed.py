@@ -8,7 +8,7 @@ import xml.etree.ElementTree as ElementTree
 
 import pytest
 
-from flowabs_nodes.gallery import speed
+from tools.gallery import speed
 
 
 def test_the_command_writes_numbers_and_a_plot(tmp_path, capsys):

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flowabs_nodes.gallery import compare, measures
-from flowabs_nodes.gallery.compare_page import GOAL_FLICKER, GOAL_JAG
+from tools.gallery import compare, measures
+from tools.gallery.compare_page import GOAL_FLICKER, GOAL_JAG
 
 
 @pytest.mark.slow

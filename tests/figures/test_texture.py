@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from flowabs_nodes.filters import etf, fdog, fdog_iterative, threshold
-from flowabs_nodes.gallery import drawings
-from flowabs_nodes.gallery.measures import cells_kept, ink_components
 from tests.figures.graphs import code, run
+from tools.gallery import drawings
+from tools.gallery.measures import cells_kept, ink_components
 
 TEXTURE = drawings.small_texture()
 

@@ -5,7 +5,7 @@ from typing import TypeVar
 
 import pytest
 
-from flowabs_nodes.filters import threads
+from flowabs_nodes.simd import bands
 
 Result = TypeVar("Result")
 
@@ -17,7 +17,7 @@ def each_thread_count() -> Callable[[Callable[[], Result]], list[Result]]:
     def run(function: Callable[[], Result]) -> list[Result]:
         results = []
         for count in range(1, 4):
-            with threads.limited(count):
+            with bands.limited(count):
                 results.append(function())
         return results
 

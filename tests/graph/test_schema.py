@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from flowabs_nodes import graph
 from flowabs_nodes.nodes import catalogue
 from tests.graph.fakes import CATALOGUE, document, nodes
-from tests.graph.test_guard import PLACES, json_values
+from tests.graph.test_safe_json import PLACES, json_values
 
 SCHEMA = graph.schema(CATALOGUE)
 VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from flowabs_nodes import color
-from flowabs_nodes.engine.apply import apply
+from flowabs_nodes.engine.call_node import apply
 from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context

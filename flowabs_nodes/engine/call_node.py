@@ -1,0 +1,193 @@
+"""Runs one node on images, with everything that all nodes have in common: widening, windows, mask and mix, checks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, cast
+
+import numpy as np
+
+from flowabs_nodes.engine.error_boundary import contained
+from flowabs_nodes.errors import ArgumentError, FlowabsError, nearest
+from flowabs_nodes.image import Image, PortType, Window
+from flowabs_nodes.nodes.declare import MASK, MIX, Context, Node
+
+
+def apply(
+    declaration: Node, context: Context, inputs: Mapping[str, Image], params: Mapping[str, Any]
+) -> dict[str, Image]:
+    """The outputs that ``context.wanted`` names (all, where it names none) of one node.
+
+    Inputs are widened to what their port asks for and brought to the data window of the first image input: a mask and
+    ``write``'s layers by cutting, and 0 where they have no pixels; any other input must be on that window already.
+    Parameters that are not given take their default; all are checked. The result goes over the input by mask x mix.
+
+    Raises
+    ------
+    FlowabsError
+        With node and frame. Codes of its own: missing-input, unknown-input, wrong-type, window-mismatch, missing-param,
+        unknown-param, wrong-output; whatever else the node raises is "internal", with its cause.
+    """
+    wanted = context.wanted or frozenset(declaration.all_outputs)
+    context = replace(context, node=context.node or declaration.type, wanted=wanted)
+    with contained(context.node, context.frame):
+        images = fit_inputs(declaration, inputs)
+        values = check_params(declaration, params)
+        if not declaration.mixes:
+            return _run(declaration, context, images, values)
+        mask, mix = images.pop(MASK.name, None), values.pop(MIX.name)
+        first = declaration.outputs[0].name
+        if mix == 0 and wanted == {first}:
+            return {first: images["image"]}
+        return _mixed(images["image"], _run(declaration, context, images, values), first, mask, mix)
+
+
+def deliver(declaration: Node, context: Context, inputs: Mapping[str, Image], params: Mapping[str, Any]) -> Any:
+    """What a node without outputs, such as ``write``, hands back; inputs and parameters as for :func:`apply`."""
+    context = replace(context, node=context.node or declaration.type)
+    with contained(context.node, context.frame):
+        images = fit_inputs(declaration, inputs)
+        return declaration.run(context, **images, **check_params(declaration, params))
+
+
+# ---------------------------------------------------------------------- before: inputs and parameters
+
+
+def fit_inputs(declaration: Node, inputs: Mapping[str, Image]) -> dict[str, Image]:
+    """Inputs as the node's function gets them: each of a type its port takes, all on one data window."""
+    ports = declaration.all_inputs
+    for name in inputs:
+        if declaration.input(name) is None:
+            raise FlowabsError(
+                f"{declaration.name} has no input {name!r}", code="unknown-input", hint=nearest(name, ports)
+            )
+        if name not in ports and (name in declaration.all_params or name == "context"):
+            raise FlowabsError(f"an extra input cannot be called {name!r}: that is a parameter", code="unknown-input")
+    for name, port in ports.items():
+        if name not in inputs and not port.optional:
+            raise FlowabsError(f"input {name!r} is not connected: {port.help}", code="missing-input")
+    declared = {name: inputs[name] for name in ports if name in inputs}
+    images = {name: _widened(declaration, name, image) for name, image in (declared | dict(inputs)).items()}
+    first = next(iter(declared), None)
+    if first is None:
+        return images
+    window = images[first].data_window
+    for name, image in images.items():
+        if image.data_window == window:
+            continue
+        if name in declared and name != MASK.name:
+            raise FlowabsError(
+                f"input {name!r} has the data window {_words(image.data_window)}, "
+                f"but input {first!r} has {_words(window)}",
+                code="window-mismatch",
+            )
+        images[name] = image.on_window(window)
+    return images
+
+
+def _widened(declaration: Node, name: str, image: Image) -> Image:
+    port = declaration.input(name)
+    assert port is not None
+    kind = port.takes(image.type)
+    if kind is None:
+        accepted = port.types.replace("|", " or ")
+        raise FlowabsError(f"input {name!r} takes {accepted}, not {image.type}", code="wrong-type")
+    return image.as_type(cast(PortType, kind))
+
+
+def check_params(declaration: Node, params: Mapping[str, Any]) -> dict[str, Any]:
+    """Every parameter of the node in the type its function gets, defaults filled in."""
+    known = declaration.all_params
+    for name in params:
+        if name not in known:
+            hint = nearest(name, known)
+            raise ArgumentError(f"{declaration.name} has no parameter {name!r}", code="unknown-param", hint=hint)
+    values = declaration.defaults() | dict(params)
+    for name, param in known.items():
+        if name not in values:
+            raise ArgumentError(f"needs a value: {param.expected}", code="missing-param", parameter=name)
+    return {name: param.check(values[name]) for name, param in known.items()}
+
+
+def _words(window: Window) -> str:
+    return f"{window.width}x{window.height}{window.x:+d}{window.y:+d}"
+
+
+# ---------------------------------------------------------------------- the node itself
+
+
+def _run(
+    declaration: Node, context: Context, images: Mapping[str, Image], values: Mapping[str, Any]
+) -> dict[str, Image]:
+    """Calls the node's function and holds what it returns to the declaration."""
+    optional = {port.name: images.get(port.name) for port in declaration.inputs}
+    result = declaration.run(context, **{**optional, **images}, **values)
+    found = result if isinstance(result, dict) else {declaration.outputs[0].name: result}
+    outputs = {}
+    for name, port in declaration.all_outputs.items():
+        if name not in context.wanted:
+            continue
+        image = found.get(name)
+        if not isinstance(image, Image):
+            raise _wrong_output(declaration, name, f"an Image, the node returned {type(image).__name__}")
+        kinds = (images[port.same_as].type,) if port.same_as else port.accepts
+        if image.type not in kinds:
+            raise _wrong_output(declaration, name, f"{' or '.join(kinds)}, the node returned {image.type}")
+        outputs[name] = _placed_like(images, image, declaration, name)
+    return outputs
+
+
+def _placed_like(images: Mapping[str, Image], image: Image, declaration: Node, name: str) -> Image:
+    """``image`` with the windows of the first input, and with whatever of its metadata and origin the node lost."""
+    source = next(iter(images.values()), None)
+    if source is None:
+        return image
+    found, expected = (image.data_window, image.display_window), (source.data_window, source.display_window)
+    if found != expected:
+        raise _wrong_output(
+            declaration,
+            name,
+            f"the windows of its input ({' in '.join(map(_words, expected))}), the node returned "
+            f"{' in '.join(map(_words, found))}: make outputs with image.with_pixels(...)",
+        )
+    spec, metadata = image.spec, source.spec.extra_attribs
+    present = {attribute.name for attribute in spec.extra_attribs}
+    lost = [attribute for attribute in metadata if attribute.name not in present]
+    if not lost and image.origin == source.origin:
+        return image
+    for attribute in lost:
+        spec.attribute(attribute.name, attribute.type, attribute.value)
+    return Image(image.pixels, spec, image.type, colorspace=image.colorspace, origin=source.origin)
+
+
+def _wrong_output(declaration: Node, name: str, what: str) -> FlowabsError:
+    return FlowabsError(f"output {name!r} of {declaration.name} must be {what}", code="wrong-output")
+
+
+# ---------------------------------------------------------------------- after: mask and mix
+
+
+def _mixed(image: Image, outputs: dict[str, Image], first: str, mask: Image | None, mix: float) -> dict[str, Image]:
+    """Result over input by k = mask x mix, alpha too; color outputs beside the first (an ink alone) times k."""
+    if mask is None and mix == 1:
+        return outputs
+    k = np.full((1, 1, 1), mix, np.float32) if mask is None else np.clip(mask.pixels, 0, 1) * np.float32(mix)
+    mixed = {}
+    for name, result in outputs.items():
+        if name != first:
+            mixed[name] = result.with_pixels(result.pixels * k) if result.type == "color" else result
+        elif mix == 0:
+            mixed[name] = image
+        elif result.channels != image.channels:
+            raise FlowabsError(
+                f"output {name!r} must have the channels of the input to be mixed with it, {','.join(image.channels)}, "
+                f"the node returned {','.join(result.channels)}",
+                code="wrong-output",
+            )
+        else:
+            # The weights' sum is exactly 1 at both ends, so that k = 0 and k = 1 change no bit.
+            pixels = result.pixels * k
+            pixels += image.pixels * (1 - k)
+            mixed[name] = result.with_pixels(pixels)
+    return mixed

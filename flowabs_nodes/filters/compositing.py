@@ -1,0 +1,100 @@
+"""Lines laid over a picture in any ink."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from flowabs_nodes.errors import ArgumentError
+from flowabs_nodes.filters import validate
+from flowabs_nodes.filters.validate import Array
+from flowabs_nodes.simd.jit import inlined, kernel
+from flowabs_nodes.simd.lanes import same_floats
+from flowabs_nodes.simd.memory import load, store_quads, store_triples
+from flowabs_nodes.simd.pixelwise import doubt, doubtful, first_of, new_run, over_pixels, picture_of, run_of
+from flowabs_nodes.simd.premultiplied import rgba
+
+Ink = tuple[float, float, float, float]  # red, green, blue and opacity
+
+
+def composite(
+    rgb: npt.ArrayLike,
+    lines: npt.ArrayLike,
+    ink: Sequence[float] = (0.0, 0.0, 0.0),
+    opacity: float = 1.0,
+    alpha: npt.ArrayLike | None = None,
+) -> Array:
+    """Ink over a picture: rgb (1 - k) + ink A k with k = (1 - lines) opacity.
+
+    Parameters
+    ----------
+    rgb
+        (H, W, 3), premultiplied.
+    lines
+        (H, W), 1 paper and 0 ink.
+    ink
+        Three numbers, in the colours of ``rgb``.
+    opacity
+        0 to 1.
+    alpha
+        A, (H, W): there is ink only where there is a picture. None is 1 everywhere.
+
+    Returns
+    -------
+    The picture with lines, (H, W, 3) float32, premultiplied by the same alpha.
+
+    Raises
+    ------
+    ArgumentError
+        For another shape or dtype, pixels that are not finite, or a parameter out of range.
+    """
+    rgb = validate.planes("rgb", rgb, looks=True)
+    lines = validate.plane("lines", lines, rgb.shape, looks=True)
+    coverage = None if alpha is None else validate.plane("alpha", alpha, rgb.shape, looks=True)
+    opacity = validate.number("opacity", opacity, min=0, max=1)
+    color = tuple(validate.number("ink", value) for value in ink)
+    if len(color) != 3:
+        raise ArgumentError(f"ink: expected three numbers, found {len(color)}", parameter="ink")
+    return inked(rgb, lines, (*color, opacity), coverage)
+
+
+def inked(pixels: Array, lines: Array, ink: Ink, alpha: Array | None = None) -> Array:
+    """Ink over a picture of (H, W, 3), or one of (H, W, 4) with its own alpha, which stays."""
+    channels = pixels.shape[2]
+    drawing, there = run_of(lines), np.empty(0, np.float32) if alpha is None else run_of(alpha)
+    result = new_run(lines.size, channels)
+    if any(over_pixels(_composite, drawing.size, run_of(pixels, channels), channels, drawing, ink, there, result)):
+        for name, array in (("rgb", pixels), ("lines", lines), ("alpha", alpha)):
+            if array is not None:
+                validate.refuse(name, array)
+    return picture_of(result, *pixels.shape)
+
+
+@kernel
+def _composite(first: int, last: int, pixels: Any, channels: int, lines: Any, ink: Ink, alpha: Any, result: Any) -> Any:
+    total = same_floats(0.0)
+    for block in range(first, last):
+        i = first_of(block, lines.size)
+        r, g, b, a = rgba(pixels, channels, i)
+        if alpha.size > 0:
+            a = load(alpha, i)
+        line = load(lines, i)
+        total = total + (doubt(r) + doubt(g) + doubt(b)) + (doubt(a) + doubt(line))
+        r, g, b = over(r, g, b, a, line, ink)
+        if channels == 4:
+            store_quads(result, 4 * i, (r, g, b, a))
+        else:
+            store_triples(result, 3 * i, (r, g, b))
+    return doubtful(total)
+
+
+@inlined
+def over(r: Any, g: Any, b: Any, a: Any, line: Any, ink: Ink) -> Any:
+    """Ink on premultiplied pixels."""
+    red, green, blue, opacity = ink
+    k = (1.0 - line) * opacity
+    paper, cover = 1.0 - k, a * k
+    return r * paper + cover * red, g * paper + cover * green, b * paper + cover * blue

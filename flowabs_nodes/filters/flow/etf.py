@@ -1,0 +1,111 @@
+"""The edge tangent flow (section 2 of the paper), exact, at a cost that grows with the radius and not with its square.
+
+Eq. 1 sums phi w_d t(y) = (t(x).t(y)) t(y) = N(y) t(x) with N = t t^T: eqs. 4 and 5 are the product with a tensor that
+does not depend on x. w_m (eq. 3) is linear in ĝ(y). So, k normalising,
+
+    t'(x) = 1/k [(1 - ĝ(x)) sum N + sum ĝN] t(x),
+
+and all that is summed over the kernel is N and ĝN (``footprint_sums.py``). Of a tensor, the trace |t|^2
+never changes from one iteration to the next; what is left is c = t.x^2 - t.y^2 and s = 2 t.x t.y. Sums are integers in
+fixed point, so they are exact however the picture is divided among threads (``etf_passes.py``).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from flowabs_nodes.filters import validate
+from flowabs_nodes.filters.flow import gradient
+from flowabs_nodes.filters.flow.adaptive import kernel_choice, radii
+from flowabs_nodes.filters.flow.etf_passes import smooth
+from flowabs_nodes.filters.flow.fill import flow_fill
+from flowabs_nodes.filters.flow.footprint_sums import passes
+from flowabs_nodes.filters.validate import Array
+
+
+def etf(
+    code: npt.ArrayLike,
+    radius: float = 5.0,
+    iterations: int = 3,
+    kernel: str = "full",
+    pre_blur: float = 0.0,
+    gradient_reference: str | float = "max",
+    fill: float | None = 0.0,
+    adaptive: bool = False,
+) -> Array:
+    """Edge tangent flow, eqs. 1-5: a smooth field of tangents that keeps the directions of strong edges.
+
+    The sum of eq. 1 is over the image: pixels of the kernel that lie outside the picture take no part.
+
+    Parameters
+    ----------
+    code
+        Code values, (H, W), or (H, W, 3) for the flow of all channels together (g along the major eigenvector of
+        sum_k g_k g_k^T, |g| = sqrt(lambda_1)).
+    radius
+        Radius mu of the kernel in pixels, at least 0: the open disc dx^2 + dy^2 < radius^2 (eq. 2). Up to 1 it holds
+        the centre alone and changes nothing.
+    iterations
+        How often the field is smoothed (section 2.3); 0 gives the tangents of the gradient.
+    kernel
+        "full", the disc, or "separable": in each iteration a pass along x and one along y over |d| < radius (2.4).
+    pre_blur
+        Sigma in pixels of a Gaussian blur of ``code`` before its gradient.
+    gradient_reference
+        Gradient in code values per pixel that counts as full strength, ĝ = min(|g| / reference, 1): "max" of the
+        picture (the paper), a percentile such as "p99.5", or a number of at least 0; a reference of 0 gives ĝ = 0.
+    fill
+        Gradient in code values per pixel below which a tangent first leans on the average around it, the more the
+        weaker it is; 0 fills only where there is no gradient, None leaves zero tangents there (the paper).
+    adaptive
+        Whether pixels in texture smaller than the kernel take a kernel of half the radius, a quarter and so on, down to
+        2.5 pixels (see :mod:`~flowabs_nodes.filters.flow.adaptive`).
+
+    Returns
+    -------
+    (H, W, 2) float32, unit tangents, x right and y down; the sign has no meaning. An image without any gradient has
+    (1, 0) everywhere, zeros with ``fill=None``.
+
+    Raises
+    ------
+    ArgumentError
+        For another shape or dtype, pixels that are not finite, or a parameter out of range.
+    """
+    return etf_and_reference(
+        code, radius, iterations, kernel, pre_blur, gradient_reference, fill=fill, adaptive=adaptive
+    )[0]
+
+
+def etf_and_reference(
+    code: npt.ArrayLike,
+    radius: float,
+    iterations: int,
+    kernel: str,
+    pre_blur: float,
+    gradient_reference: str | float,
+    *,
+    fill: float | None,
+    adaptive: bool,
+) -> tuple[Array, float]:
+    """:func:`etf`, and the gradient that counts as full strength in it, in code values per pixel."""
+    code = validate.plane_or_planes("code", code)
+    radius = validate.number("radius", radius, min=0)
+    iterations = validate.whole("iterations", iterations, min=0)
+    kernel = validate.choice("kernel", kernel, ("full", "separable"))
+    pre_blur = validate.number("pre_blur", pre_blur, min=0, max=10_000)
+    gradient.check_reference(gradient_reference)
+    fill = None if fill is None else validate.number("fill", fill, min=0)
+    adaptive = validate.flag("adaptive", adaptive)
+
+    measured = gradient.measured(code, pre_blur)
+    tangent, magnitude = measured.gradient
+    if fill is not None and not (fill == 0 and measured.everywhere):
+        tangent = flow_fill(tangent, magnitude, fill, measured.largest, in_place=True)
+    reference = gradient.reference(measured, gradient_reference)
+    if iterations == 0 or radius <= 1:
+        return tangent, reference
+    sizes = radii(radius) if adaptive else [radius]
+    choice = kernel_choice(code, radius).astype(np.int32) if len(sizes) > 1 else None
+    flow = smooth(tangent, magnitude, reference, iterations, passes(kernel, sizes, *magnitude.shape), choice)
+    return flow, reference

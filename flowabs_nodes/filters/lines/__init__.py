@@ -1,0 +1,1 @@
+"""Line drawing (section 3): DoG, FDoG, its iterations, thresholds."""

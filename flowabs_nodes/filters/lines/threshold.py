@@ -1,0 +1,85 @@
+"""From response to lines: eq. 9, hard or soft."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from flowabs_nodes.filters import validate
+from flowabs_nodes.filters.validate import Array
+from flowabs_nodes.simd.jit import kernel
+from flowabs_nodes.simd.known_finite import vouch
+from flowabs_nodes.simd.lanes import maximum, minimum, same_floats, select
+from flowabs_nodes.simd.memory import load, store
+from flowabs_nodes.simd.pixelwise import doubt, doubtful, first_of, new_run, over_pixels, picture_of, run_of
+
+
+def threshold(response: npt.ArrayLike, tau: float = 0.5, contrast: float | None = None, softness: float = 0.0) -> Array:
+    """Lines: ink where H < -c, which is eq. 9 (H < 0 and 1 + tanh H < tau) for c = -atanh(tau - 1).
+
+    Parameters
+    ----------
+    response
+        H in code values, (H, W).
+    tau
+        Threshold of eq. 9, 0 to 1: 0 gives paper alone, 1 ink wherever H < 0. Not used when ``contrast`` is given.
+    contrast
+        c in code values, at least 0; None is -atanh(tau - 1).
+    softness
+        s in code values, at least 0: 0 is binary, else lines = smoothstep(-c - s, -c, H).
+
+    Returns
+    -------
+    Lines, (H, W) float32, 1 paper and 0 ink.
+
+    Raises
+    ------
+    ArgumentError
+        For another shape or dtype, pixels that are not finite, or a parameter out of range.
+    """
+    response = validate.plane("response", response, looks=True)
+    tau = validate.number("tau", tau, min=0, max=1)
+    softness = validate.number("softness", softness, min=0)
+    if contrast is not None:
+        contrast = validate.number("contrast", contrast, min=0)
+    elif tau == 0:
+        contrast = math.inf
+    else:
+        contrast = (math.log(2 - tau) - math.log(tau)) / 2  # -atanh(tau - 1), also where tau - 1 rounds to -1
+    run, lines = run_of(response), new_run(response.size)
+    if any(over_pixels(_threshold, run.size, run, *_ramp(-contrast, softness), lines)):
+        validate.refuse("response", response)
+    return vouch(picture_of(lines, *response.shape))
+
+
+def _ramp(paper: float, softness: float) -> tuple[np.float32, np.float32, np.float32]:
+    """Where paper begins, the rest of that number, and the slope of the ramp before it; 0 is a step.
+
+    The step is as exact as float64 would have it: float32 are below ``paper`` if they are below the next float32.
+    """
+    with np.errstate(over="ignore"):
+        edge = np.float32(paper)
+        above = edge if edge >= paper else np.nextafter(edge, np.float32(np.inf))
+    if softness == 0 or np.isinf(edge):
+        return above, np.float32(0), np.float32(0)
+    slope = min(max(1 / softness, 1e-37), 1e37)  # some normal number
+    return edge, np.float32(paper - float(edge)), np.float32(slope)
+
+
+@kernel
+def _threshold(first: int, last: int, response: Any, paper: Any, rest: Any, slope: Any, lines: Any) -> Any:
+    total = same_floats(0.0)
+    for block in range(first, last):
+        i = first_of(block, response.size)
+        h = load(response, i)
+        total = total + doubt(h)
+        if slope == 0:
+            line = select(h < paper, same_floats(0.0), same_floats(1.0))
+        else:
+            t = minimum(maximum(((h - paper) - rest) * slope + 1.0, 0.0), 1.0)
+            line = t * t * (3.0 - 2.0 * t)
+        store(lines, i, line)
+    return doubtful(total)

@@ -1,0 +1,80 @@
+"""Region flattening (section 4.1): luminance in bins of one size, with hard or soft steps."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy.typing as npt
+
+from flowabs_nodes.filters import validate
+from flowabs_nodes.filters.validate import Array
+from flowabs_nodes.simd.jit import inlined, kernel
+from flowabs_nodes.simd.lanes import floor, from_doubles, maximum, minimum, rint, same_floats, select, to_doubles
+from flowabs_nodes.simd.memory import load, store
+from flowabs_nodes.simd.pixelwise import doubt, doubtful, first_of, new_run, over_pixels, picture_of, run_of
+
+Steps = tuple[float, float]  # levels per L*, and softness
+
+
+def quantize(lstar: npt.ArrayLike, levels: int = 8, softness: float = 0.0) -> Array:
+    """Lightness in ``levels`` bins of 0..100: the middle of the bin that it falls in.
+
+    With D = 100 / levels and u = L* / D: Q = (max(1, ceil(u - 1e-3)) - 1/2) D. White is in bin ``levels``, zero and
+    below in bin 1, and bins go on above white. With softness s, Q = (e - 1/2 + 3 t^2 - 2 t^3) D, where e = round(u) and
+    t = clamp((u - e) / s + 1/2, 0, 1).
+
+    Parameters
+    ----------
+    lstar
+        L* (H, W), white 100.
+    levels
+        Number of bins up to white, at least 1; typically 4 to 10.
+    softness
+        Width of the step from one bin to the next, 0 (hard) to 1, of a bin.
+
+    Returns
+    -------
+    Q, (H, W) float32, in L*.
+
+    Raises
+    ------
+    ArgumentError
+        For another shape or dtype, pixels that are not finite, or a parameter out of range.
+    """
+    lstar = validate.plane("lstar", lstar, looks=True)
+    levels = validate.whole("levels", levels, min=1)
+    softness = validate.number("softness", softness, min=0, max=1)
+    run, flat = run_of(lstar), new_run(lstar.size)
+    if any(over_pixels(_quantize, run.size, run, (levels / 100, softness), flat)):
+        validate.refuse("lstar", lstar)
+    return picture_of(flat, *lstar.shape)
+
+
+@kernel
+def _quantize(first: int, last: int, lstar: Any, steps: Steps, flat: Any) -> Any:
+    total = same_floats(0.0)
+    for block in range(first, last):
+        i = first_of(block, lstar.size)
+        lightness = load(lstar, i)
+        total = total + doubt(lightness)
+        store(flat, i, middle(lightness, steps))
+    return doubtful(total)
+
+
+@inlined
+def middle(lightness: Any, steps: Steps) -> Any:
+    """Q of L*; ``steps`` are levels per L*, and softness."""
+    per, softness = steps
+    level = to_doubles(lightness) * per
+    if softness == 0:
+        return (maximum(_ceil(level - 1e-3), 1.0) - 0.5) * (1 / per)
+    edge = rint(from_doubles(level))
+    t = minimum(maximum(from_doubles(level - to_doubles(edge)) * (1 / softness) + 0.5, 0.0), 1.0)
+    return (edge - 0.5 + t * t * (3.0 - 2.0 * t)) * (1 / per)
+
+
+@inlined
+def _ceil(x: Any) -> Any:
+    """The next whole number of doubles, as floats."""
+    near = -floor(-from_doubles(x))
+    return select(x > to_doubles(near), near + 1.0, near)  # what is just above it was rounded to it

@@ -1,0 +1,195 @@
+"""Averages among similar colours (eqs. 12-14): what the flow-based and the oriented bilateral filters share.
+
+Each pass is a weighted mean of readings along some line or curve through a pixel: weight alpha G(s) h, where G falls
+with the distance s along the line and h, eq. 13, with the difference of colour from the pixel in the middle.
+
+Pictures are records of three floats, L, a, b, or where there is an alpha of four, L, a, b, alpha. Kernels have an
+argument ``alpha``, None or not, by which numba leaves out what does not happen. Behind the last record there is room
+for two floats more: records are read four floats at a time, bilinearly eight.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from flowabs_nodes.filters import gaussian, validate
+from flowabs_nodes.filters.validate import Array
+from flowabs_nodes.sampling.coords import Frame, padded
+from flowabs_nodes.simd.avx512 import exp2
+from flowabs_nodes.simd.bands import over_rows
+from flowabs_nodes.simd.exponential import LOG2_E
+from flowabs_nodes.simd.jit import kernel
+from flowabs_nodes.simd.lanes import LANES, inlined, same_floats, select
+from flowabs_nodes.simd.memory import load, load_quads, load_triples, store, store_quads, store_triples
+
+TINY = np.float32(1e-20)  # an alpha from which colours can no longer be told
+
+#: Fills its second argument from the first.
+Pass = Callable[[Array, Array], Any]
+
+
+def coverage(alpha: npt.ArrayLike | None, codes: Array) -> Array:
+    """``alpha`` as (H, W), 1 everywhere where there is none."""
+    if alpha is None:
+        return np.broadcast_to(np.float32(1), codes.shape[:2])
+    return validate.plane("alpha", alpha, codes.shape)
+
+
+def partial_coverage(alpha: npt.ArrayLike | None, codes: Array) -> Array | None:
+    """``alpha`` as (H, W); None where it is 1 everywhere."""
+    if alpha is None:
+        return None
+    covered = validate.plane("alpha", alpha, codes.shape)
+    return None if (covered == 1).all() else covered
+
+
+def in_turn(codes: Array, alpha: Array | None, frame: Frame, passes: list[Pass], iterations: int) -> Array:
+    """``codes`` after each of the passes in turn, ``iterations`` times."""
+    return on_records(records_of(codes, alpha, frame), frame, passes, iterations)
+
+
+def records_of(codes: Array, alpha: Array | None, frame: Frame) -> Array:
+    """A picture as kernels read it."""
+    picture = np.empty(frame.height * frame.stride * (3 if alpha is None else 4) + 2, np.float32)
+    picture[-2:] = 0
+    given = padded(codes, frame)
+    if alpha is None:
+        over_rows(lambda first, last: np.copyto(picture[first:last], given[first:last]), given.size)
+    else:
+        over_rows(_join, frame.height, given, padded(alpha, frame), frame, picture)
+    return picture
+
+
+def on_records(picture: Array, frame: Frame, passes: list[Pass], iterations: int) -> Array:
+    """The code values that are left of a picture after the passes; its memory is theirs to write in."""
+    pixels = frame.height * frame.stride
+    smoothed = np.empty_like(picture)
+    smoothed[-2:] = 0
+    for _ in range(iterations):
+        for smooth in passes:
+            smooth(picture, smoothed)
+            picture, smoothed = smoothed, picture
+    if picture.size < 4 * pixels:
+        result = picture[: 3 * pixels]
+    else:
+        result = smoothed[: 3 * pixels]  # its memory is free now
+        over_rows(_part, frame.height, picture, frame, result)
+    return np.ascontiguousarray(result.reshape(frame.height, frame.stride, 3)[:, : frame.width])
+
+
+@kernel
+def _join(first: int, last: int, codes: Any, alpha: Any, frame: Frame, picture: Any) -> None:
+    """Records of four from both; an alpha that is too little is none."""
+    for y in range(first, last):
+        for x in range(0, frame.stride, LANES):
+            pixel = y * frame.stride + min(x, frame.stride - LANES)
+            l, a, b = load_triples(codes, 3 * pixel)  # noqa: E741
+            covered = load(alpha, pixel)
+            store_quads(picture, 4 * pixel, (l, a, b, select(covered > TINY, covered, 0.0)))
+
+
+@kernel
+def _part(first: int, last: int, picture: Any, frame: Frame, codes: Any) -> None:
+    for y in range(first, last):
+        for x in range(0, frame.stride, LANES):
+            pixel = y * frame.stride + min(x, frame.stride - LANES)
+            l, a, b, _ = load_quads(picture, 4 * pixel)  # noqa: E741
+            store_triples(codes, 3 * pixel, (l, a, b))
+
+
+def closeness(sigma: float) -> Array:
+    """log2 G(0), G(1) .. to one side, without the constant factor."""
+    steps = np.arange(gaussian.radius(sigma) + 1)
+    return (-LOG2_E / 2 * (steps / max(sigma, 1e-6)) ** 2).astype(np.float32)
+
+
+def falloff(r: float) -> np.float32:
+    """log2 h for a colour difference of 1 (eq. 13), without the constant factor."""
+    return np.float32(max(-LOG2_E / 2 / r / r, -1e30))
+
+
+class Color(NamedTuple):
+    """Of sixteen records. What is read of records of three has no alpha: what is there then means nothing."""
+
+    l: Any  # noqa: E741
+    a: Any
+    b: Any
+    alpha: Any
+
+
+class Sums(NamedTuple):
+    """The weighted sums of differences of colour from the centre, and the sum of weights.
+
+    Sums of differences round less than sums of colours would, and constants stay exactly as they are.
+    """
+
+    l: Any  # noqa: E741
+    a: Any
+    b: Any
+    weight: Any
+
+
+@inlined
+def floats_of(alpha: Any) -> int:
+    """In a record."""
+    return 3 if alpha is None else 4
+
+
+@inlined
+def color(picture: Any, pixel: int, alpha: Any) -> Color:
+    """Of ``pixel`` and the fifteen after it."""
+    if alpha is None:
+        l, a, b = load_triples(picture, 3 * pixel)  # noqa: E741
+        return Color(l, a, b, same_floats(1.0))
+    l, a, b, covered = load_quads(picture, 4 * pixel)  # noqa: E741
+    return Color(l, a, b, covered)
+
+
+@inlined
+def only(centre: Color) -> Sums:
+    """The centre, with its own alpha; its difference is 0."""
+    nothing = same_floats(0.0)
+    return Sums(nothing, nothing, nothing, centre.alpha)
+
+
+@inlined
+def add(sums: Sums, centre: Color, reading: Color, closeness: float, falloff: float, alpha: Any) -> Sums:
+    """And one reading for each pixel, with its weight alpha G h."""
+    l, a, b = reading.l - centre.l, reading.a - centre.a, reading.b - centre.b  # noqa: E741
+    weight = exp2((l * l + a * a + b * b) * falloff + closeness)
+    if alpha is not None:
+        weight = weight * reading.alpha
+    return Sums(sums.l + weight * l, sums.a + weight * a, sums.b + weight * b, sums.weight + weight)
+
+
+@inlined
+def keep(memory: Any, k: int, sums: Sums) -> None:
+    """In scratch memory, as the k-th of others; :func:`kept` gives them back."""
+    at = 4 * LANES * k
+    store(memory, at, sums.l)
+    store(memory, at + LANES, sums.a)
+    store(memory, at + 2 * LANES, sums.b)
+    store(memory, at + 3 * LANES, sums.weight)
+
+
+@inlined
+def kept(memory: Any, k: int) -> Sums:
+    at = 4 * LANES * k
+    return Sums(load(memory, at), load(memory, at + LANES), load(memory, at + 2 * LANES), load(memory, at + 3 * LANES))
+
+
+@inlined
+def mean(sums: Sums, centre: Color, smoothed: Any, pixel: int, alpha: Any) -> None:
+    """Write the weighted mean; where alpha is 0 the colour stays what it was."""
+    over = 1.0 / sums.weight
+    if alpha is not None:
+        over = select(centre.alpha > 0.0, over, 0.0)
+    l, a, b = centre.l + over * sums.l, centre.a + over * sums.a, centre.b + over * sums.b  # noqa: E741
+    if alpha is None:
+        store_triples(smoothed, 3 * pixel, (l, a, b))
+    else:
+        store_quads(smoothed, 4 * pixel, (l, a, b, centre.alpha))

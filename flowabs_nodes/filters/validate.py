@@ -1,0 +1,131 @@
+"""What every filter checks first. Each error names the argument, the rule and the value."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from flowabs_nodes.errors import ArgumentError, nearest
+from flowabs_nodes.simd.finite import is_finite
+
+Array = npt.NDArray[np.float32]
+
+
+def plane(name: str, value: npt.ArrayLike, shape: tuple[int, ...] | None = None, *, looks: bool = False) -> Array:
+    """``value`` as a C-contiguous (H, W) float32 array of finite numbers; ``shape`` is the picture it has to fit.
+
+    Where the kernel ``looks`` at every number itself, nothing is said here about those that are not finite: see
+    :func:`refuse`.
+    """
+    return _fitting(name, _array(name, value, "(H, W)", lambda found: len(found) == 2, looks), shape)
+
+
+def planes(name: str, value: npt.ArrayLike, *, looks: bool = False) -> Array:
+    """``value`` as a C-contiguous (H, W, 3) float32 array of finite numbers; ``looks`` as for :func:`plane`."""
+    return _array(name, value, "(H, W, 3)", lambda shape: len(shape) == 3 and shape[2] == 3, looks)
+
+
+def plane_or_planes(name: str, value: npt.ArrayLike) -> Array:
+    """``value`` as a C-contiguous (H, W) or (H, W, 3) float32 array of finite numbers."""
+    return _array(
+        name, value, "(H, W) or (H, W, 3)", lambda shape: len(shape) == 2 or (len(shape) == 3 and shape[2] == 3)
+    )
+
+
+def any_channels(name: str, value: npt.ArrayLike) -> Array:
+    """``value`` as a C-contiguous (H, W) or (H, W, C) float32 array of finite numbers."""
+    return _array(name, value, "(H, W) or (H, W, C)", lambda shape: len(shape) in (2, 3))
+
+
+def flow_field(value: npt.ArrayLike, shape: tuple[int, ...] | None = None, name: str = "flow") -> Array:
+    """``value`` as a flow of (H, W, 2), x then y; ``shape`` is the picture it has to fit."""
+    return _fitting(name, _array(name, value, "(H, W, 2)", lambda found: len(found) == 3 and found[2] == 2), shape)
+
+
+def _fitting(name: str, array: Array, shape: tuple[int, ...] | None) -> Array:
+    if shape is not None and array.shape[:2] != shape[:2]:
+        raise ArgumentError(
+            f"{name}: expected the size of the picture, {shape[1]}x{shape[0]}, found {array.shape[1]}x{array.shape[0]}",
+            parameter=name,
+        )
+    return array
+
+
+def number(
+    name: str,
+    value: Any,
+    *,
+    min: float | None = None,
+    max: float | None = None,
+    above: float | None = None,
+) -> float:
+    """``value`` as a finite float of at least ``min``, at most ``max``, greater than ``above``."""
+    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
+        raise ArgumentError(f"{name}: expected a number, found {value!r}", code="wrong-type", parameter=name)
+    result = float(value)
+    rules = []
+    if min is not None:
+        rules.append(f"at least {min:g}")
+    if above is not None:
+        rules.append(f"greater than {above:g}")
+    if max is not None:
+        rules.append(f"at most {max:g}")
+    broken = (min is not None and result < min) or (max is not None and result > max)
+    if not math.isfinite(result) or broken or (above is not None and result <= above):
+        rule = " and ".join(rules) or "finite"
+        raise ArgumentError(f"{name}: expected a number {rule}, found {value!r}", code="out-of-range", parameter=name)
+    return result
+
+
+def whole(name: str, value: Any, *, min: int | None = None, max: int | None = None) -> int:
+    """``value`` as an int in a range; 1.0 and True are not whole numbers here."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer):
+        raise ArgumentError(f"{name}: expected a whole number, found {value!r}", code="wrong-type", parameter=name)
+    return int(number(name, value, min=min, max=max))
+
+
+def choice(name: str, value: Any, choices: tuple[str, ...]) -> str:
+    """``value`` if it is one of ``choices``."""
+    if value not in choices:
+        raise ArgumentError(
+            f"{name}: expected one of {', '.join(map(repr, choices))}, found {value!r}",
+            hint=nearest(value, choices),
+            parameter=name,
+        )
+    return str(value)
+
+
+def flag(name: str, value: Any) -> bool:
+    """``value`` if it is True or False."""
+    if not isinstance(value, bool | np.bool_):
+        raise ArgumentError(f"{name}: expected True or False, found {value!r}", code="wrong-type", parameter=name)
+    return bool(value)
+
+
+def refuse(name: str, array: Array) -> None:
+    """Raise ArgumentError, with their count, if there are numbers in ``array`` that are not finite."""
+    bad = int(array.size - np.isfinite(array).sum())
+    if bad:
+        raise ArgumentError(f"{name}: expected finite pixels, found {bad} that are NaN or Inf", parameter=name)
+
+
+def _array(name: str, value: npt.ArrayLike, shapes: str, fits: Any, looks: bool = False) -> Array:
+    array = np.asarray(value)
+    if array.dtype.kind not in "fiub":
+        raise ArgumentError(
+            f"{name}: expected real numbers, found dtype {array.dtype}", code="wrong-type", parameter=name
+        )
+    if not fits(array.shape) or array.size == 0:
+        raise ArgumentError(
+            f"{name}: expected shape {shapes} with at least one pixel, found {array.shape}", parameter=name
+        )
+    if array.shape[0] * array.shape[1] >= 2**29:  # four floats each are counted with int32
+        raise ArgumentError(f"{name}: expected fewer than 2^29 pixels, found {array.shape}", parameter=name)
+    with np.errstate(over="ignore"):  # numbers beyond float32 become Inf
+        result: Array = np.ascontiguousarray(array, np.float32)
+    if not looks and not is_finite(result):
+        refuse(name, result)
+    return result

@@ -1,0 +1,33 @@
+"""Turns what Python code hands over into the plain data a graph file would hold, under the same limits."""
+
+from __future__ import annotations
+
+import json
+import os
+from typing import Any
+
+from flowabs_nodes.graph.problems import GraphError, Problem, Problems
+from flowabs_nodes.graph.safe_json import parse
+
+
+def plain(value: Any, problems: Problems) -> Any:
+    """A copy of ``value`` as JSON would read it back: tuples become lists, numpy numbers and paths become Python's.
+
+    Numbers that are not finite are problems at their place. Raises GraphError for what JSON cannot hold at all.
+    """
+    try:
+        text = json.dumps(value, default=_default)
+    except RecursionError:
+        raise GraphError([Problem("too-big", "", "too many levels of nesting", "plain data")]) from None
+    except (TypeError, ValueError) as error:
+        expected = "plain data: dicts with text as keys, lists, texts, numbers, true, false, null"
+        raise GraphError([Problem("wrong-type", "", str(error)[:200], expected)]) from None
+    return parse(text.encode("ascii"), problems)
+
+
+def _default(value: Any) -> Any:
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if hasattr(value, "tolist"):  # a numpy number or array
+        return value.tolist()
+    raise TypeError(f"{type(value).__name__} is not plain data")

@@ -1,0 +1,168 @@
+"""Which part and which channels of a file are meant by a layer's name; pure functions on ImageSpecs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import OpenImageIO as oiio
+
+from flowabs_nodes.errors import ReadError, nearest
+from flowabs_nodes.io.image_file import printable
+
+#: How files call red, green, blue, alpha.
+_RGBA = (
+    ("R", "G", "B", "A"),
+    ("r", "g", "b", "a"),
+    ("red", "green", "blue", "alpha"),
+    ("Red", "Green", "Blue", "Alpha"),
+)
+_GREY = (("Y", "A"), ("y", "a"))
+#: Beside these a Y is a coordinate, or luminance without its chroma.
+_NO_GREY = {"X", "x", "RY", "BY"}
+
+
+class Selection(NamedTuple):
+    """Channels to read, in order: red, green, blue or one grey, then alpha if the layer has it."""
+
+    part: int
+    layer: str
+    channels: tuple[str, ...]
+    note: str = ""
+
+    @property
+    def grey(self) -> bool:
+        """True where one channel stands for red, green and blue."""
+        return len(self.channels) < 3
+
+    @property
+    def has_alpha(self) -> bool:
+        """True where the last channel is alpha."""
+        return len(self.channels) in (2, 4)
+
+
+def layer_of(channel: str) -> str:
+    """ "diffuse.R" is of layer "diffuse", "Z" of "Z", and R, G, B, A are of the main layer, ""."""
+    before, dot, _ = channel.rpartition(".")
+    if dot:
+        return before
+    return "" if channel in ("R", "G", "B", "A") else channel
+
+
+def part_name(spec: oiio.ImageSpec) -> str:
+    """The name of a part; empty where it has none."""
+    return spec.get_string_attribute("oiio:subimagename") or spec.get_string_attribute("name")
+
+
+def choose_color(specs: Sequence[oiio.ImageSpec], layer: str = "", part: str | int = "") -> Selection:
+    """The channels of a color image: R, G, B or grey, and A. Raises ReadError that lists what there is."""
+    candidates = _parts(specs, part)
+    if layer == "":
+        for names in (_RGBA, _GREY):
+            for index in candidates:
+                found = _pick(specs[index].channelnames, "", names)
+                if found:
+                    return Selection(index, "", found)
+        return _only_layer(specs, candidates, part)
+    for index in candidates:
+        found = _pick(specs[index].channelnames, layer + ".", (*_RGBA, *_GREY))
+        if found:
+            return Selection(index, layer, found)
+    for index in candidates:
+        if part_name(specs[index]) == layer:
+            found = _pick(specs[index].channelnames, "", (*_RGBA, *_GREY))
+            if found:
+                return Selection(index, layer, found)
+    layers = _color_layers(specs, candidates)
+    everything = {layer_of(name) for index in candidates for name in specs[index].channelnames}
+    what = "has no red, green and blue (nor Y)" if layer in everything else "is not in the file"
+    hint = nearest(layer, [name or '""' for name in layers]) if layers else ""
+    raise ReadError(f"layer {layer!r} {what}; {_listing(specs)}", code="no-layer", hint=hint, parameter="layer")
+
+
+def choose_data(specs: Sequence[oiio.ImageSpec], layer: str = "", part: str | int = "") -> Selection:
+    """The channels of a data image: every channel of a layer, one channel by its name, or a whole part."""
+    candidates = _parts(specs, part)
+    for index in candidates:
+        names = tuple(specs[index].channelnames)
+        inside = tuple(name for name in names if name.startswith(layer + "."))
+        found = names if layer == "" else inside or tuple(name for name in names if name == layer)
+        if found:
+            return Selection(index, layer, found)
+    for index in candidates:
+        if part_name(specs[index]) == layer:
+            return Selection(index, layer, tuple(specs[index].channelnames))
+    known = {
+        name for index in candidates for channel in specs[index].channelnames for name in (channel, layer_of(channel))
+    }
+    known |= {part_name(specs[index]) for index in candidates}
+    message = f"layer {layer!r} is not in the file; {_listing(specs)}"
+    raise ReadError(message, code="no-layer", hint=nearest(layer, known - {""}), parameter="layer")
+
+
+def _parts(specs: Sequence[oiio.ImageSpec], part: str | int) -> list[int]:
+    """The parts to look in: one by its index or name, or all flat ones."""
+    text = str(part)
+    if text:
+        named = [index for index, spec in enumerate(specs) if part_name(spec) == text]
+        index = named[0] if named else int(text) if text.isdecimal() else len(specs)
+        if index >= len(specs):
+            names = [part_name(spec) or str(index) for index, spec in enumerate(specs)]
+            message = f"part {part!r} is not in the file; it has {len(specs)}: {_few(names)}"
+            raise ReadError(message, code="no-part", hint=nearest(text, names), parameter="part")
+        if specs[index].deep:
+            raise ReadError(f"part {part!r} is deep data, which is not read", code="deep", parameter="part")
+        return [index]
+    flat = [index for index, spec in enumerate(specs) if not spec.deep]
+    if not flat:
+        raise ReadError("deep data, which is not read; flatten it first", code="deep")
+    return flat
+
+
+def _pick(channels: Sequence[str], prefix: str, families: Iterable[tuple[str, ...]]) -> tuple[str, ...] | None:
+    """The channels of the first family that is there, alpha included where it is."""
+    for *wanted, alpha in families:
+        found = [prefix + name for name in wanted]
+        if len(wanted) == 1 and any(prefix + name in channels for name in _NO_GREY):
+            continue
+        if set(found) <= set(channels):
+            return (*found, prefix + alpha) if prefix + alpha in channels else tuple(found)
+    return None
+
+
+def _color_layers(specs: Sequence[oiio.ImageSpec], parts: Sequence[int]) -> dict[str, Selection]:
+    """Every layer with red, green and blue."""
+    layers: dict[str, Selection] = {}
+    for index in parts:
+        for layer in dict.fromkeys(name.rpartition(".")[0] for name in specs[index].channelnames):
+            found = _pick(specs[index].channelnames, layer and layer + ".", _RGBA)
+            if found:
+                layers.setdefault(layer, Selection(index, layer, found))
+    return layers
+
+
+def _only_layer(specs: Sequence[oiio.ImageSpec], parts: Sequence[int], part: str | int) -> Selection:
+    """Where there are no plain R, G, B: Blender's "Combined", or the one layer that has colour."""
+    layers = _color_layers(specs, parts)
+    combined = [layer for layer in layers if layer.endswith(".Combined")]
+    single = combined if len(combined) == 1 else list(layers)
+    if len(single) == 1:
+        chosen = layers[single[0]]
+        return chosen._replace(note=f"no plain R, G, B: layer {chosen.layer!r} is read")
+    hint = ""
+    if layers:
+        hint = "layer: " + _few([repr(name) for name in layers], " or ")
+    raise ReadError(f"no R, G, B and no Y to read as colour; {_listing(specs)}", code="no-color", hint=hint)
+
+
+def _listing(specs: Sequence[oiio.ImageSpec]) -> str:
+    """What a file holds, for messages."""
+    if len(specs) == 1:
+        return f"it has {_few(specs[0].channelnames)}"
+    parts = [f"{part_name(spec) or index} ({_few(spec.channelnames)})" for index, spec in enumerate(specs)]
+    return f"it has the parts {_few(parts)}"
+
+
+def _few(names: Sequence[str], joint: str = ", ") -> str:
+    shown = [printable(name if len(name) < 100 else name[:97] + "...") for name in names[:12]]
+    return joint.join(shown) + (f" and {len(names) - 12} more" if len(names) > 12 else "")

@@ -1,0 +1,110 @@
+"""The plate's other layers, bit for bit (``write.keep_layers``), and an alpha that the image left out."""
+
+from __future__ import annotations
+
+import fnmatch
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from flowabs_nodes.errors import WriteError, nearest
+from flowabs_nodes.image import Origin
+from flowabs_nodes.io.exr_header import header_of_part
+from flowabs_nodes.io.image_file import PictureFile, open_picture
+from flowabs_nodes.io.layers import layer_of, part_name
+from flowabs_nodes.io.output_image import Picture, moved, windows
+
+Planes = dict[str, npt.NDArray[Any]]
+
+
+class Kept(NamedTuple):
+    """Channels for the main part, and whole parts (header, channels) that follow it."""
+
+    channels: Planes
+    parts: tuple[tuple[dict[str, Any], Planes], ...] = ()
+
+
+def kept_layers(picture: Picture, warn: Callable[[str], None]) -> Kept:
+    """What ``keep_layers`` asks for from the file that the image was read from.
+
+    A layer is a name before the last dot ("diffuse"), a channel without one ("Z"), or a part; ``*`` and ``?`` stand for
+    letters. The layer that was read is no other layer, unless it is named. Raises WriteError for a name that is not
+    there.
+    """
+    wanted = [name.strip() for name in picture.keep_layers.split(",") if name.strip()]
+    origin = picture.image.origin
+    if not wanted:
+        return Kept({})
+    if origin is None or not picture.plate_is_exr:
+        warn("keep_layers: the image does not come from an EXR file, so there are no other layers to keep")
+        return Kept({})
+    with open_picture(origin.file, picture.settings) as file:
+        data, display = windows(file.specs[origin.part])
+        if display != picture.image.display_window:
+            warn("keep_layers: the picture has another size than the plate; its other layers are left out")
+            return Kept({})
+        chosen = _chosen(file, origin, wanted, set(picture.layers))
+        mine = file.read_native(origin.part, chosen.pop(origin.part, []))
+        if mine and data != picture.image.data_window:
+            warn("keep_layers: the picture has another data window than the plate; its other layers are cut to it")
+            mine = {name: moved(plane, data, picture.image.data_window) for name, plane in mine.items()}
+        parts = []
+        for part, channels in chosen.items():
+            header = header_of_part(origin.file, part)
+            header["compression"] = file.specs[part].get_string_attribute("compression")
+            parts.append((header, file.read_native(part, channels)))
+    return Kept(mine, tuple(parts))
+
+
+def alpha_left_out(picture: Picture, warn: Callable[[str], None]) -> Planes:
+    """The A that the image does not have but its plate does, as it is in the file: it must not be lost."""
+    image, origin = picture.image, picture.image.origin
+    if origin is None or not origin.alpha or image.type != "color" or "A" in image.channels:
+        return {}
+    with open_picture(origin.file, picture.settings) as file:
+        plane = file.read_native(origin.part, [origin.alpha])[origin.alpha]
+        data, display = windows(file.specs[origin.part])
+    window = image.data_window
+    if not plane.any():
+        return {"A": np.zeros((window.height, window.width), plane.dtype)}
+    if display != image.display_window:
+        warn("alpha: the picture has another size than the plate; the alpha that was ignored is left out")
+        return {}
+    return {"A": moved(plane, data, window)}
+
+
+def _chosen(file: PictureFile, origin: Origin, wanted: list[str], new: set[str]) -> dict[int, list[str]]:
+    """Channels to keep, by part."""
+    known: set[str] = set()
+    matched: set[str] = set()
+    chosen: dict[int, list[str]] = {}
+    for part, spec in enumerate(file.specs):
+        own = part == origin.part
+        whole = "" if own else part_name(spec)
+        for channel in spec.channelnames:
+            layer = layer_of(channel)
+            names = {name for name in (layer, whole) if name}
+            known |= names
+            hits = {pattern for pattern in wanted for name in names if fnmatch.fnmatchcase(name, pattern)}
+            matched |= hits
+            named = bool(hits & names)
+            replaced = bool(names & new) or (own and (layer == "" or (channel in origin.channels and not named)))
+            if hits and not replaced:
+                if spec.deep:
+                    raise WriteError(
+                        f"part {whole or part} is deep data, which cannot be kept", parameter="keep_layers"
+                    )
+                chosen.setdefault(part, []).append(channel)
+    missing = [pattern for pattern in wanted if pattern not in matched and pattern != "*"]
+    if missing:
+        found = ", ".join(sorted(known)[:20]) or "none"
+        raise WriteError(
+            f"keep_layers: the plate has no layer {missing[0]!r}; it has {found}",
+            code="no-layer",
+            hint=nearest(missing[0], known),
+            parameter="keep_layers",
+            file=origin.file,
+        )
+    return chosen

@@ -1,0 +1,57 @@
+"""The key and the graph that ``write`` leaves in a file, so that a later run knows whether it is there already."""
+
+from __future__ import annotations
+
+import os
+import re
+
+import OpenImageIO as oiio
+
+from flowabs_nodes.errors import ReadError
+from flowabs_nodes.io import formats
+from flowabs_nodes.io.image_file import reason
+
+KEY = "flowabs:key"
+GRAPH = "flowabs:graph"
+
+#: TIFF drops attributes it does not know: there they are lines of ImageDescription.
+_LINE = re.compile(r"^(flowabs:[a-z]+)=(.*)$\n?", re.MULTILINE)
+
+
+def in_description(description: str, stamps: dict[str, str]) -> str:
+    """An ImageDescription that also holds the stamps, one a line."""
+    lines = [f"{name}={' '.join(text.splitlines())}" for name, text in stamps.items()]
+    return "\n".join([*([description] if description else []), *lines])
+
+
+def without_stamps(spec: oiio.ImageSpec) -> None:
+    """Take the stamps of the run that made a plate off its header."""
+    for name in (KEY, GRAPH):
+        spec.erase_attribute(name)
+    if "flowabs:" in (description := _text(spec, "ImageDescription")):
+        spec.attribute("ImageDescription", _LINE.sub("", description).rstrip("\n"))
+
+
+def stored_key(path: str | os.PathLike[str]) -> str | None:
+    """The key in a file that ``write`` made; None where there is none, or the file cannot be opened."""
+    try:
+        formats.to_read(path)
+    except ReadError:
+        return None
+    source = oiio.ImageInput.open(os.fspath(path))
+    if source is None:
+        reason(oiio)
+        return None
+    try:
+        spec = source.spec()
+        in_lines = dict(_LINE.findall(_text(spec, "ImageDescription")))
+        return _text(spec, KEY) or in_lines.get(KEY)
+    finally:
+        source.close()
+
+
+def _text(spec: oiio.ImageSpec, name: str) -> str:
+    try:
+        return str(spec.get_string_attribute(name))
+    except UnicodeDecodeError:
+        return ""

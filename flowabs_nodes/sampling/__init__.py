@@ -1,0 +1,1 @@
+"""Following the flow and reading pictures along it: streamlines, sample coordinates, samples."""

@@ -1,0 +1,86 @@
+"""What AVX-512 has instructions for, and other processors calculate: 2^x, tables of sixteen, rough inverse roots.
+
+The only place where the paths of :data:`~flowabs_nodes.simd.target.PATH` differ in the vector layer.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from llvmlite import ir  # type: ignore[import-untyped]
+from numba.extending import intrinsic
+
+from flowabs_nodes.simd.jit import inlined
+from flowabs_nodes.simd.lanes import (
+    LANES,
+    constant,
+    floats,
+    floor,
+    from_bits,
+    ints,
+    llvm_function,
+    maximum,
+    operation,
+    sqrt,
+    to_ints,
+)
+from flowabs_nodes.simd.target import PATH
+
+_F, _I, _I32 = floats.llvm, ints.llvm, ir.IntType(32)
+
+if PATH == "avx512":
+    _16, _ALL, _DEFAULT = ir.IntType(16), ir.IntType(16)(-1), _I32(4)
+    _reduce = llvm_function("llvm.x86.avx512.mask.reduce.ps.512", _F, _F, _I32, _F, _16, _I32)
+    _scale = llvm_function("llvm.x86.avx512.mask.scalef.ps.512", _F, _F, _F, _F, _16, _I32)
+    _permute = llvm_function("llvm.x86.avx512.permvar.si.512", _I, _I, _I)
+    _nothing = constant(_F, 0.0)
+
+    #: x - floor(x), and x 2^floor(y).
+    _fraction = operation([floats], floats, lambda b, x: _reduce(b, x, _I32(1), _nothing, _ALL, _DEFAULT))
+    _scaled = operation([floats, floats], floats, lambda b, x, y: _scale(b, x, y, _nothing, _ALL, _DEFAULT))
+    #: table[i & 15] for each i.
+    look_up = operation([ints, ints], ints, lambda b, table, i: _permute(b, table, i))
+    #: 1 / sqrt(x), to 2^-13 of it.
+    _inverse_root = llvm_function("llvm.x86.avx512.rsqrt14.ps.512", _F, _F, _F, _16)
+    rough_inverse_root = operation([floats], floats, lambda b, x: _inverse_root(b, x, _nothing, _ALL))
+else:
+
+    @inlined
+    def rough_inverse_root(x: Any) -> Any:
+        return 1.0 / sqrt(x)
+
+    @inlined
+    def _fraction(x: Any) -> Any:
+        return x - floor(x)
+
+    @inlined
+    def _scaled(x: Any, y: Any) -> Any:
+        return x * from_bits((to_ints(floor(y)) + 127) << 23)
+
+    @intrinsic
+    def look_up(typingctx: Any, table: Any, indices: Any) -> Any:
+        """table[i & 15] for each i."""
+
+        def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
+            result = ir.Constant(_I, ir.Undefined)
+            for lane in range(LANES):
+                i = builder.and_(builder.extract_element(values[1], _I32(lane)), _I32(LANES - 1))
+                result = builder.insert_element(result, builder.extract_element(values[0], i), _I32(lane))
+            return result
+
+        return ints(ints, ints), generate
+
+
+@inlined
+def exp2(x: Any) -> Any:
+    """2^x for x <= 0, to 4e-6 of its value; below -100, where nothing is left that would count, 2^-100.
+
+    2^x = 2^floor(x) 2^f: the polynomial is the one of degree 4 with the least relative error on 0 <= f < 1.
+    """
+    x = maximum(x, -100.0)  # sums with numbers below 2^-126, which are held with fewer digits, are slow
+    f = _fraction(x)
+    power = f * 0.01353417 + 0.05201146
+    power = power * f + 0.24144276
+    power = power * f + 0.69300383
+    power = power * f + 1.0000026
+    return _scaled(power, x)

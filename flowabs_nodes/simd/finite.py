@@ -1,0 +1,38 @@
+"""Whether all numbers of an array are finite."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from flowabs_nodes.simd.jit import kernel
+from flowabs_nodes.simd.known_finite import is_vouched, vouch
+from flowabs_nodes.simd.lanes import LANES, same_floats
+from flowabs_nodes.simd.memory import load
+from flowabs_nodes.simd.pixelwise import doubt, doubtful, first_of, over_pixels
+
+Array = npt.NDArray[np.float32]
+
+
+def is_finite(array: Array) -> bool:
+    """Whether no number of a C-contiguous float32 array is NaN or Inf; in the engine each is looked at once."""
+    if is_vouched(array):
+        return True
+    if array.size < LANES:
+        found = bool(np.isfinite(array).all())
+    else:
+        run = array.reshape(-1)
+        found = not any(over_pixels(_not_finite, run.size, run))
+    if found:
+        vouch(array)
+    return found
+
+
+@kernel
+def _not_finite(first: int, last: int, numbers: Any) -> Any:
+    total = same_floats(0.0)
+    for block in range(first, last):
+        total = total + doubt(load(numbers, first_of(block, numbers.size)))
+    return doubtful(total)

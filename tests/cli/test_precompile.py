@@ -1,0 +1,128 @@
+"""Kernels compiled ahead by another process."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flowabs_nodes.cli import precompile
+from flowabs_nodes.image import Image
+from flowabs_nodes.simd import bands, compile_hooks
+
+ROOT = Path(__file__).resolve().parents[2]
+GRAPH = {
+    "format": "flowabs.graph/1",
+    "name": "small",
+    "interface": {"size": {"type": "float", "default": 1.0, "help": "of the blur"}},
+    "nodes": {
+        "plate": {"type": "read@1"},
+        "soft": {"type": "blur@1", "inputs": {"image": "plate"}, "params": {"sigma": {"from": "size"}}},
+        "lines": {"type": "dog@1", "inputs": {"image": "soft"}},
+        "out": {"type": "write@1", "inputs": {"image": "lines"}},
+    },
+}
+COUNTED = """
+import sys
+from numba.core import event
+from flowabs_nodes.cli import main
+with event.install_recorder("numba:compile") as recorder:
+    code = main(sys.argv[1:])
+print(code, sorted({each.data["dispatcher"].py_func.__name__ for _, each in recorder.buffer}))
+print(sorted({"colour", "scipy.linalg", "numba.np.arrayobj", "fileseq", "tqdm"} & set(sys.modules)))
+"""
+
+
+@pytest.fixture
+def graph(tmp_path):
+    file = tmp_path / "small.json"
+    file.write_text(json.dumps(GRAPH))
+    return str(file)
+
+
+@pytest.fixture
+def begun(monkeypatch):
+    """Processes that were begun, of which none ends by itself."""
+    processes = []
+
+    def begin(graph, values):
+        processes.append(subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"]))
+        return processes[-1]
+
+    monkeypatch.setattr(precompile, "_begin", begin)
+    yield processes
+    for process in processes:
+        process.kill()
+        process.wait()
+
+
+def test_it_begins_when_a_kernel_is_missing_and_ends_with_the_run(begun):
+    with bands.limited(2), precompile.compiling_ahead("lines", {}):
+        assert begun == []
+        compile_hooks.tell()
+        compile_hooks.tell()
+        assert len(begun) == 1
+        assert begun[0].poll() is None
+    assert begun[0].poll() is not None
+
+
+def test_it_ends_with_a_run_that_fails(begun):
+    def run():
+        with bands.limited(2), precompile.compiling_ahead("lines", {}):
+            compile_hooks.tell()
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        run()
+    assert begun[0].poll() is not None
+
+
+def test_where_all_kernels_are_there_nothing_begins(begun):
+    with bands.limited(2), precompile.compiling_ahead("lines", {}):
+        pass
+    compile_hooks.tell()
+    assert begun == []
+
+
+def test_on_one_processor_nothing_begins(begun):
+    with bands.limited(1), precompile.compiling_ahead("lines", {}):
+        compile_hooks.tell()
+    assert begun == []
+
+
+def test_without_another_process_the_run_goes_on(monkeypatch):
+    asked = []
+
+    def begin(graph, values):
+        asked.append(graph)
+        raise BlockingIOError("no more processes")
+
+    monkeypatch.setattr(precompile, "_begin", begin)
+    with bands.limited(2), precompile.compiling_ahead("lines", {}):
+        compile_hooks.tell()
+        compile_hooks.tell()
+    assert asked == ["lines"]
+
+
+def test_what_it_leaves_on_disk_is_what_the_run_needs(graph, tmp_path):
+    plate = tmp_path / "plate.exr"
+    Image.from_array(np.random.default_rng(1).random((40, 60, 3), np.float32)).to_imagebuf().write(str(plate))
+    use = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "kernels")}
+    run = ["run", graph, "-i", plate, "-o", tmp_path / "out.exr", "--set", "size=2"]
+
+    command = [sys.executable, "-m", "flowabs_nodes.cli.precompile", graph, '{"size": 2}']
+    subprocess.run(command, cwd=ROOT, env=use, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", COUNTED, *run], cwd=ROOT, env=use, capture_output=True, text=True, check=True
+    )
+    compiled, slow_to_import = done.stdout.splitlines()[-2:]
+    assert compiled == "0 []"
+    assert slow_to_import == "[]"
+
+
+def test_a_graph_that_is_wrong_is_the_run_s_business(tmp_path):
+    done = precompile._begin(str(tmp_path / "none.json"), {})
+    assert done.wait(60) != 0

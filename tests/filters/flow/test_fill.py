@@ -1,0 +1,94 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from flowabs_nodes.filters.flow.fill import flow_fill
+from flowabs_nodes.filters.flow.gradient import gradient
+from tests.filters.pictures import photo
+from tests.naive import etf as naive
+
+
+def with_holes(height, width, share=0.7):
+    """A picture of few gradients: flat but for some pixels."""
+    rng = np.random.default_rng(3)
+    return np.where(rng.random((height, width)) < share, 100, rng.uniform(0, 255, (height, width))).astype(np.float32)
+
+
+@pytest.mark.parametrize("fill", [0.0, 2.0, 40.0])
+@pytest.mark.parametrize(
+    "code",
+    [photo()[:33, :18], with_holes(16, 16, 0.97), with_holes(21, 37, 0.97), with_holes(1, 9), with_holes(6, 1)],
+    ids=["photo", "square", "odd", "row", "column"],
+)
+def test_equals_the_direct_reading(code, fill):
+    tangent, magnitude = gradient(code)
+    filled = flow_fill(tangent, magnitude, fill)
+    expected = naive.flow_fill(np.float64(tangent), np.float64(magnitude), fill)
+    assert np.median(naive.degrees_between(filled, expected)) < 1e-4
+    assert np.quantile(naive.degrees_between(filled, expected), 0.99) < 1e-2
+
+
+def test_in_place_or_not():
+    for code in (with_holes(20, 33), with_holes(8, 15)):
+        tangent, magnitude = gradient(code)
+        before = tangent.copy()
+        filled = flow_fill(tangent, magnitude, 2.0)
+        np.testing.assert_array_equal(tangent, before)
+        np.testing.assert_array_equal(flow_fill(tangent, magnitude, 2.0, float(magnitude.max()), True), filled)
+
+
+@pytest.mark.parametrize("fill", [0.0, 2.0])
+def test_every_number_of_threads_gives_the_same_bits(each_thread_count, fill):
+    tangent, magnitude = gradient(with_holes(140, 75))
+    one, *others = each_thread_count(lambda: flow_fill(tangent, magnitude, fill))
+    for other in others:
+        np.testing.assert_array_equal(one, other)
+
+
+def test_confident_tangents_stay_to_the_bit():
+    tangent, magnitude = gradient(photo())
+    filled = flow_fill(tangent, magnitude, 4.0)
+    confident = magnitude >= 4
+    assert 0.1 < confident.mean() < 0.9
+    np.testing.assert_array_equal(filled[confident], tangent[confident])
+
+
+def test_a_hole_gets_the_direction_around_it():
+    tangent = np.zeros((32, 32, 2), np.float32)
+    tangent[:] = np.cos(0.7), np.sin(0.7)
+    magnitude = np.full((32, 32), 5, np.float32)
+    tangent[5:27, 8:30], magnitude[5:27, 8:30] = 0, 0
+    filled = flow_fill(tangent, magnitude, 0)
+    assert naive.degrees_between(filled, [np.cos(0.7), np.sin(0.7)]).max() < 1e-4
+
+
+def test_noise_leans_on_the_strong_edge_beside_it():
+    rng = np.random.default_rng(5)
+    angle = rng.uniform(0, np.pi, (32, 32))
+    tangent = np.stack([np.cos(angle), np.sin(angle)], -1).astype(np.float32)
+    magnitude = np.full((32, 32), 0.05, np.float32)
+    tangent[:, 16], magnitude[:, 16] = (0, 1), 30
+    filled = flow_fill(tangent, magnitude, 2.0)
+    assert naive.degrees_between(filled, [0, 1]).max() < 1
+
+
+def test_nothing_to_lean_on_is_horizontal():
+    filled = flow_fill(np.zeros((5, 7, 2), np.float32), np.zeros((5, 7), np.float32), 2.0)
+    np.testing.assert_array_equal(filled, np.broadcast_to([1, 0], (5, 7, 2)))
+
+
+@given(
+    height=st.integers(1, 12),
+    width=st.integers(1, 12),
+    fill=st.sampled_from([0.0, 1e-6, 3.0, 1e6]),
+    scale=st.sampled_from([1e-30, 1e-6, 1.0, 1e5, 1e36]),
+    holes=st.floats(0, 1),
+    seed=st.integers(0, 2**32 - 1),
+)
+@settings(deadline=None, max_examples=100)
+def test_every_tangent_is_a_unit_vector(height, width, fill, scale, holes, seed):
+    rng = np.random.default_rng(seed)
+    code = np.where(rng.random((height, width)) < holes, 0, rng.uniform(-1, 1, (height, width))) * scale
+    filled = flow_fill(*gradient(code.astype(np.float32)), fill)
+    np.testing.assert_allclose(np.linalg.norm(filled, axis=-1), 1, rtol=1e-6)

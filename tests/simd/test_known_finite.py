@@ -1,0 +1,66 @@
+import numpy as np
+import pytest
+
+from flowabs_nodes.errors import ArgumentError
+from flowabs_nodes.filters import validate
+from flowabs_nodes.simd import finite
+from flowabs_nodes.simd.known_finite import is_vouched, remembered, vouch
+
+
+@pytest.fixture
+def looks(monkeypatch):
+    """How often a kernel was sent over an array."""
+    seen = []
+    original = finite.over_pixels
+    monkeypatch.setattr(finite, "over_pixels", lambda *args: seen.append(1) or original(*args))
+    return seen
+
+
+@pytest.mark.parametrize("size", [1, 15, 16, 17, 1000])
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_one_bad_number_is_found_wherever_it_is(size, bad):
+    for place in {0, size // 2, size - 1}:
+        array = np.full(size, -np.finfo(np.float32).max)
+        array = array.astype(np.float32)
+        assert finite.is_finite(array)
+        array[place] = bad
+        assert not finite.is_finite(array)
+
+
+def test_an_array_is_looked_at_once_where_that_is_remembered(looks):
+    array = np.ones((20, 30, 1), np.float32)
+    with remembered():
+        for _ in range(3):
+            validate.plane("lines", array[..., 0])  # another view each time
+        assert len(looks) == 1
+        validate.plane("lines", array[:10, :, 0])
+        assert len(looks) == 1, "a part of what is finite is finite"
+        validate.plane("lines", array[..., 0].copy())
+        assert len(looks) == 2
+    validate.plane("lines", array[..., 0])
+    assert len(looks) == 3, "outside, arrays may have been changed"
+
+
+def test_a_part_does_not_vouch_for_the_whole(looks):
+    array = np.ones((20, 30), np.float32)
+    array[15, 3] = np.nan
+    with remembered():
+        validate.plane("code", array[:10])
+        with pytest.raises(ArgumentError, match="found 1"):
+            validate.plane("code", array)
+
+
+def test_what_is_vouched_for_is_not_looked_at(looks):
+    with remembered():
+        array = vouch(np.ones((20, 30), np.float32))
+        assert is_vouched(array)
+        assert is_vouched(array[3:5])
+        validate.plane("code", array)
+    assert not looks
+    assert not is_vouched(array)
+
+
+def test_another_array_in_the_same_place_is_not_vouched_for():
+    with remembered():
+        known = {id(vouch(np.ones((20, 30), np.float32))) for _ in range(10)}
+        assert not any(is_vouched(np.ones((20, 30), np.float32)) for _ in range(10)), known

@@ -1,0 +1,1 @@
+"""How fast the filters are on this machine: ``python -m tools.bench`` (docs/performance.md)."""

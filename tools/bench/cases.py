@@ -1,0 +1,187 @@
+"""What is measured: each stage on its own, and whole pipelines as users run them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from flowabs_nodes import color, filters
+from flowabs_nodes.errors import CommandError, nearest
+from tools.bench.timing import Case
+
+if TYPE_CHECKING:
+    from flowabs_nodes.image import Image
+    from tools.bench.scene import Array
+
+# The paper's pipeline with its defaults, which are those of the nodes.
+P = {
+    "format": "flowabs.graph/1",
+    "name": "P",
+    "nodes": {
+        "plate": {"type": "read@1"},
+        "flow": {"type": "etf@1", "inputs": {"image": "plate"}},
+        "lines": {"type": "fdog@1", "inputs": {"image": "plate", "flow": "flow"}},
+        "smooth": {"type": "fbl@1", "inputs": {"image": "plate", "flow": "flow"}},
+        "flat": {"type": "quantize@1", "inputs": {"image": "smooth"}},
+        "comp": {"type": "composite@1", "inputs": {"image": "flat", "lines": "lines"}},
+        "out": {"type": "write@1", "inputs": {"image": "comp"}},
+    },
+}
+
+
+class Plate:
+    """A picture, and what the stages before have made of it. Each is made when it is first asked for."""
+
+    def __init__(self, rgb: Array) -> None:
+        self.rgb = rgb
+
+    @cached_property
+    def codes(self) -> Array:
+        return color.encode(self.rgb, "lab")
+
+    @cached_property
+    def acescct(self) -> Array:
+        return color.encode(self.rgb, "acescct")
+
+    @cached_property
+    def code(self) -> Array:
+        return self.codes[..., 0].copy()
+
+    @cached_property
+    def lstar(self) -> Array:
+        return self.code / self.code.dtype.type(2.55)
+
+    @cached_property
+    def gradient(self) -> tuple[Array, Array]:
+        from flowabs_nodes.filters.flow.gradient import gradient
+
+        return gradient(self.code)
+
+    @cached_property
+    def flow(self) -> Array:
+        return filters.etf(self.code)
+
+    @cached_property
+    def response(self) -> Array:
+        return filters.fdog(self.code, self.flow)
+
+    @cached_property
+    def lines(self) -> Array:
+        return filters.threshold(self.response)
+
+    @cached_property
+    def bytes(self) -> Any:
+        """Display-referred, 8 bits a channel: what OpenCV's filters take."""
+        import numpy as np
+
+        return np.rint(255 * np.clip(self.rgb, 0, 1) ** (1 / 2.2)).astype(np.uint8)
+
+    def image(self) -> Image:
+        """As a graph gets it, with nothing worked out yet."""
+        from flowabs_nodes.image import Image
+
+        return Image.from_array(self.rgb)
+
+
+@dataclass(frozen=True)
+class Stage:
+    """How a stage is run on a plate, and how often the pipeline P does it."""
+
+    case: Callable[[Plate], Case]
+    in_p: int = 0
+
+
+def _plain(run: Callable[[Plate], object], in_p: int = 0, per: int = 1) -> Stage:
+    return Stage(lambda plate: Case(lambda _: run(plate), per=per), in_p)
+
+
+def _etf(kernel: str, in_p: int = 0) -> Stage:
+    """An iteration: three, less what etf does without any, over three."""
+    return Stage(
+        lambda plate: Case(
+            run=lambda _: filters.etf(plate.code, kernel=kernel, iterations=3),
+            less=lambda _: filters.etf(plate.code, kernel=kernel, iterations=0),
+            per=3,
+        ),
+        in_p,
+    )
+
+
+def _gradient(plate: Plate) -> object:
+    from flowabs_nodes.filters.flow.gradient import gradient
+
+    return gradient(plate.code)
+
+
+def _fill(plate: Plate) -> object:
+    from flowabs_nodes.filters.flow.fill import flow_fill
+
+    return flow_fill(*plate.gradient, 0.0)
+
+
+def _finish(plate: Plate) -> object:
+    from flowabs_nodes.color.codes import decoded
+    from flowabs_nodes.finishing.deferred import Undecoded
+
+    flat = Undecoded(plate.codes, "lab", levels=8, lines=plate.lines, ink=(0.0, 0.0, 0.0, 1.0))
+    return decoded(flat, color.space("lin_rec709"))
+
+
+STAGES: dict[str, Stage] = {
+    "encode-lab": _plain(lambda p: color.encode(p.rgb, "lab"), in_p=1),
+    "encode-acescct": _plain(lambda p: color.encode(p.rgb, "acescct")),
+    "gradient": _plain(_gradient, in_p=1),
+    "fill": _plain(_fill, in_p=1),
+    "etf-full": _etf("full", in_p=3),
+    "etf-separable": _etf("separable"),
+    "fdog": _plain(lambda p: filters.fdog(p.code, p.flow), in_p=1),
+    "fdog-nearest": _plain(lambda p: filters.fdog(p.code, p.flow, sampling="nearest")),
+    "fdog-color": _plain(lambda p: filters.fdog(p.codes, p.flow, color_weight=0.5)),
+    "threshold": _plain(lambda p: filters.threshold(p.response), in_p=1),
+    "flow-blur": _plain(lambda p: filters.flow_blur(p.lines, p.flow)),
+    "fbl-nearest": _plain(lambda p: filters.fbl(p.codes, p.flow), in_p=5, per=5),
+    "fbl-bilinear": _plain(lambda p: filters.fbl(p.codes, p.flow, iterations=2, sampling="bilinear"), per=2),
+    "finish": _plain(_finish, in_p=1),  # quantize, composite and decode-lab in one go
+    "quantize": _plain(lambda p: filters.quantize(p.lstar)),
+    "composite": _plain(lambda p: filters.composite(p.rgb, p.lines)),
+    "decode-lab": _plain(lambda p: color.decode(p.codes, "lab")),
+    "decode-acescct": _plain(lambda p: color.decode(p.acescct, "acescct")),
+    "bilateral-full": _plain(lambda p: filters.bilateral(p.codes, iterations=1)),
+    "bilateral-xy": _plain(lambda p: filters.bilateral(p.codes, iterations=1, kernel="xy")),
+}
+
+
+def graph_case(name: str, plate: Plate) -> Case:
+    """A pipeline from the plate in memory to the finished picture in memory, decoded."""
+    from flowabs_nodes.engine.runnable import load_graph
+
+    graph = load_graph(P if name == "P" else name)
+
+    def run(image: Image) -> Array:
+        return graph.run(given={"plate": image}, outputs=["comp"], on_event=lambda event: None)["comp"].pixels
+
+    return Case(run, fresh=plate.image)
+
+
+PIPELINES: dict[str, Callable[[Plate], Case]] = {
+    "P": lambda plate: graph_case("P", plate),
+    "abstraction": lambda plate: graph_case("abstraction", plate),
+}
+
+
+def chosen(names: Iterable[str], known: Iterable[str]) -> tuple[str, ...]:
+    """The names asked for, or all where none is.
+
+    Raises
+    ------
+    CommandError
+        For a name that does not exist, with the nearest.
+    """
+    known = tuple(known)
+    asked = tuple(dict.fromkeys(names))
+    for name in asked:
+        if name not in known:
+            raise CommandError(f"no stage {name!r} to measure", hint=nearest(name, known), code="unknown-stage")
+    return asked or known
