@@ -11,10 +11,9 @@ import numpy.typing as npt
 import OpenImageIO as oiio
 
 from flowabs_nodes import color
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ArgumentError, nearest
 from flowabs_nodes.finishing.deferred import Undecoded
-
-Array = npt.NDArray[np.float32]
 
 PortType = Literal["color", "mono", "matte", "flow", "data"]
 PORT_TYPES: tuple[PortType, ...] = ("color", "mono", "matte", "flow", "data")

@@ -11,17 +11,16 @@ from functools import cache
 import numpy as np
 import numpy.typing as npt
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.color import SPACES, acescct, lab
 from flowabs_nodes.color.spaces import KNOWN, ColorSpace, normalised, to_ap1
 from flowabs_nodes.color.spaces import space as find_space
 from flowabs_nodes.errors import ArgumentError, nearest
-from flowabs_nodes.filters.validate import refuse
 from flowabs_nodes.finishing.deferred import Undecoded
+from flowabs_nodes.simd.finite import refuse_non_finite
 from flowabs_nodes.simd.known_finite import vouch
 from flowabs_nodes.simd.matrix3 import Rows, rows
 from flowabs_nodes.simd.pixelwise import new_run, over_pixels, picture_of, run_of
-
-Array = npt.NDArray[np.float32]
 
 NOTHING = np.empty(0, np.float32)
 BARE = -1.0  # no ground at all: colours that are not multiplied by their alpha
@@ -107,7 +106,7 @@ def encoded(
     else:
         bad = over_pixels(acescct.encode, count, run, channels, float(ground), forward, to_luminance, colors, lightness)
     if any(bad):
-        refuse("rgb", pixels)
+        refuse_non_finite("rgb", pixels)
         raise ArgumentError("rgb: divided by alpha, there are pixels beyond float32", parameter="rgb")
     return (
         vouch(picture_of(colors, *((height, width) if codes else (0, 0)), 3)),
@@ -133,7 +132,7 @@ def decoded(undecoded: Undecoded, colorspace: ColorSpace) -> Array:
     else:
         bad = over_pixels(acescct.decode, count, run, backward, below, drawing, ink, pixels)
     if any(bad):
-        refuse("codes", codes)
+        refuse_non_finite("codes", codes)
     return vouch(picture_of(pixels, height, width, channels))
 
 
@@ -144,7 +143,7 @@ def flattened(pixels: Array, levels: int, softness: float, colorspace: ColorSpac
     flat = new_run(run.size // channels, channels)
     forward = _matrices("lab", colorspace)[0]
     if any(over_pixels(lab.flatten, run.size // channels, run, channels, forward, (levels / 100, softness), flat)):
-        refuse("rgb", pixels)
+        refuse_non_finite("rgb", pixels)
     return vouch(picture_of(flat, *pixels.shape))
 
 

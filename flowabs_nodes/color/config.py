@@ -11,12 +11,10 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import OpenImageIO as oiio
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ColorError, nearest
-
-Array = npt.NDArray[np.float32]
 
 #: Built into OpenColorIO since 2.4 (OpenImageIO 3.0): the ACES spaces, the lin_* names of the Color Interop Forum,
 #: cameras.

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.color.constants import LAB_EPSILON, LAB_KAPPA
 from flowabs_nodes.color.spaces import ColorSpace, normalised, space
 from flowabs_nodes.errors import ArgumentError
-
-Array = npt.NDArray[np.float32]
 
 _EPSILON, _KAPPA = np.float32(LAB_EPSILON), np.float32(LAB_KAPPA)
 

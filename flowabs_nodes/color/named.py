@@ -7,14 +7,12 @@ from functools import cache
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
+from flowabs_nodes.array_types import Float64
 from flowabs_nodes.color import chromaticities, config, srgb
 from flowabs_nodes.color.constants import Matrix
 from flowabs_nodes.color.spaces import KNOWN, STANDARD, ColorSpace, between, known
 from flowabs_nodes.errors import ColorError, nearest
-
-Float64 = npt.NDArray[np.float64]
 
 #: Names of sRGB pictures, scene- or display-referred: OIIO's, OCIO's and the Color Interop Forum's, in lower case.
 SRGB_NAMES = frozenset(

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.color import config, srgb
 from flowabs_nodes.color.named import find
 from flowabs_nodes.color.spaces import KNOWN, ColorSpace, convert
 from flowabs_nodes.errors import ArgumentError
-
-Array = npt.NDArray[np.float32]
 
 
 def linearize(pixels: Array, name: str, ocio: str | None = None) -> tuple[Array, ColorSpace]:

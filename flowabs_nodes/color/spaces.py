@@ -8,10 +8,9 @@ from functools import cache
 import numpy as np
 import numpy.typing as npt
 
+from flowabs_nodes.array_types import Float64
 from flowabs_nodes.color.constants import BRADFORD, RGB_TO_XYZ, Matrix
 from flowabs_nodes.errors import ColorError, nearest
-
-Float64 = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, repr=False)

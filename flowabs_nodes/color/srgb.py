@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
-Array = npt.NDArray[np.float32]
+from flowabs_nodes.array_types import Array
 
 #: Where line and power meet, as colour-science has it: 0.0031308 of linear light.
 _LINEAR_BREAK = np.float32(0.0031308)

@@ -9,8 +9,9 @@ import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import FlowabsError
-from flowabs_nodes.image import Array, Image, Window
+from flowabs_nodes.image import Image, Window
 
 #: Sharp, so that lines drawn on the smaller picture are those of the full one. Its overshoot is cut off below.
 FILTER = "lanczos3"

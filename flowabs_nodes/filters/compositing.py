@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import validate
-from flowabs_nodes.filters.validate import Array
+from flowabs_nodes.simd.finite import refuse_non_finite
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import same_floats
 from flowabs_nodes.simd.memory import load, store_quads, store_triples
@@ -51,9 +52,9 @@ def composite(
     ArgumentError
         For another shape or dtype, pixels that are not finite, or a parameter out of range.
     """
-    rgb = validate.planes("rgb", rgb, looks=True)
-    lines = validate.plane("lines", lines, rgb.shape, looks=True)
-    coverage = None if alpha is None else validate.plane("alpha", alpha, rgb.shape, looks=True)
+    rgb = validate.planes("rgb", rgb, check_finite=False)
+    lines = validate.plane("lines", lines, rgb.shape, check_finite=False)
+    coverage = None if alpha is None else validate.plane("alpha", alpha, rgb.shape, check_finite=False)
     opacity = validate.number("opacity", opacity, min=0, max=1)
     color = tuple(validate.number("ink", value) for value in ink)
     if len(color) != 3:
@@ -69,7 +70,7 @@ def inked(pixels: Array, lines: Array, ink: Ink, alpha: Array | None = None) -> 
     if any(over_pixels(_composite, drawing.size, run_of(pixels, channels), channels, drawing, ink, there, result)):
         for name, array in (("rgb", pixels), ("lines", lines), ("alpha", alpha)):
             if array is not None:
-                validate.refuse(name, array)
+                refuse_non_finite(name, array)
     return picture_of(result, *pixels.shape)
 
 

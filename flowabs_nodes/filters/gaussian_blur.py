@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import gaussian, validate
-from flowabs_nodes.filters.validate import Array
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import kernel
 from flowabs_nodes.simd.lanes import LANES, from_doubles, to_doubles

@@ -8,24 +8,23 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ArgumentError, nearest
-from flowabs_nodes.simd.finite import is_finite
-
-Array = npt.NDArray[np.float32]
+from flowabs_nodes.simd.finite import is_finite, refuse_non_finite
 
 
-def plane(name: str, value: npt.ArrayLike, shape: tuple[int, ...] | None = None, *, looks: bool = False) -> Array:
+def plane(name: str, value: npt.ArrayLike, shape: tuple[int, ...] | None = None, *, check_finite: bool = True) -> Array:
     """``value`` as a C-contiguous (H, W) float32 array of finite numbers; ``shape`` is the picture it has to fit.
 
-    Where the kernel ``looks`` at every number itself, nothing is said here about those that are not finite: see
-    :func:`refuse`.
+    Without ``check_finite`` the kernel looks at every number itself, and
+    :func:`~flowabs_nodes.simd.finite.refuse_non_finite` is called where it found one.
     """
-    return _fitting(name, _array(name, value, "(H, W)", lambda found: len(found) == 2, looks), shape)
+    return _fitting(name, _array(name, value, "(H, W)", lambda found: len(found) == 2, check_finite), shape)
 
 
-def planes(name: str, value: npt.ArrayLike, *, looks: bool = False) -> Array:
-    """``value`` as a C-contiguous (H, W, 3) float32 array of finite numbers; ``looks`` as for :func:`plane`."""
-    return _array(name, value, "(H, W, 3)", lambda shape: len(shape) == 3 and shape[2] == 3, looks)
+def planes(name: str, value: npt.ArrayLike, *, check_finite: bool = True) -> Array:
+    """``value`` as a C-contiguous (H, W, 3) float32 array of finite numbers; ``check_finite`` as for :func:`plane`."""
+    return _array(name, value, "(H, W, 3)", lambda shape: len(shape) == 3 and shape[2] == 3, check_finite)
 
 
 def plane_or_planes(name: str, value: npt.ArrayLike) -> Array:
@@ -105,14 +104,7 @@ def flag(name: str, value: Any) -> bool:
     return bool(value)
 
 
-def refuse(name: str, array: Array) -> None:
-    """Raise ArgumentError, with their count, if there are numbers in ``array`` that are not finite."""
-    bad = int(array.size - np.isfinite(array).sum())
-    if bad:
-        raise ArgumentError(f"{name}: expected finite pixels, found {bad} that are NaN or Inf", parameter=name)
-
-
-def _array(name: str, value: npt.ArrayLike, shapes: str, fits: Any, looks: bool = False) -> Array:
+def _array(name: str, value: npt.ArrayLike, shapes: str, fits: Any, check_finite: bool = True) -> Array:
     array = np.asarray(value)
     if array.dtype.kind not in "fiub":
         raise ArgumentError(
@@ -126,6 +118,6 @@ def _array(name: str, value: npt.ArrayLike, shapes: str, fits: Any, looks: bool 
         raise ArgumentError(f"{name}: expected fewer than 2^29 pixels, found {array.shape}", parameter=name)
     with np.errstate(over="ignore"):  # numbers beyond float32 become Inf
         result: Array = np.ascontiguousarray(array, np.float32)
-    if not looks and not is_finite(result):
-        refuse(name, result)
+    if check_finite and not is_finite(result):
+        refuse_non_finite(name, result)
     return result

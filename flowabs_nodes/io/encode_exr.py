@@ -15,9 +15,10 @@ import OpenEXR
 import OpenImageIO as oiio
 
 from flowabs_nodes import color
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.color import ocio
 from flowabs_nodes.errors import WriteError
-from flowabs_nodes.image import Array, Image
+from flowabs_nodes.image import Image
 from flowabs_nodes.io import alpha as alphas
 from flowabs_nodes.io import attributes, exr_header, nonfinite
 from flowabs_nodes.io.output_image import Picture, layer_planes, main_planes

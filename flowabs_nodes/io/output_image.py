@@ -10,8 +10,9 @@ import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ArgumentError
-from flowabs_nodes.image import Array, Image, Window
+from flowabs_nodes.image import Image, Window
 from flowabs_nodes.io import formats
 from flowabs_nodes.io.settings import Settings
 

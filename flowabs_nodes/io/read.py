@@ -9,9 +9,10 @@ import numpy as np
 import OpenImageIO as oiio
 
 from flowabs_nodes import color
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.color import ocio
 from flowabs_nodes.errors import FlowabsError
-from flowabs_nodes.image import Array, Image, Origin
+from flowabs_nodes.image import Image, Origin
 from flowabs_nodes.io import alpha as alphas
 from flowabs_nodes.io import nonfinite as nonfinites
 from flowabs_nodes.io.image_file import open_picture

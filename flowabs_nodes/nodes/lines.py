@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from flowabs_nodes import filters
-from flowabs_nodes.image import Array, Image
+from flowabs_nodes.array_types import Array
+from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.common_params import GROUND, SPACE, sampling
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from flowabs_nodes import color
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ArgumentError, nearest
-from flowabs_nodes.image import Array, Image
+from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
 
 LUMINANCE = "luminance"

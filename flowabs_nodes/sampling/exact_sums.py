@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from flowabs_nodes.filters.validate import Array
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.sampling.coords import Frame, between, frame_of
 from flowabs_nodes.sampling.streamline import ALL, Walks, advance, column, new_walks, set_out, turn
 from flowabs_nodes.sampling.tile_cache import widened

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from flowabs_nodes.filters.validate import Array
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.lanes import LANES, absolute, any_lane, inlined, maximum, minimum
 from flowabs_nodes.simd.memory import load, load_pairs, quads_at, store_pairs, store_quads

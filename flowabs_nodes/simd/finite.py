@@ -5,15 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from flowabs_nodes.array_types import Array
+from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.simd.jit import kernel
 from flowabs_nodes.simd.known_finite import is_vouched, vouch
 from flowabs_nodes.simd.lanes import LANES, same_floats
 from flowabs_nodes.simd.memory import load
 from flowabs_nodes.simd.pixelwise import doubt, doubtful, first_of, over_pixels
-
-Array = npt.NDArray[np.float32]
 
 
 def is_finite(array: Array) -> bool:
@@ -28,6 +27,13 @@ def is_finite(array: Array) -> bool:
     if found:
         vouch(array)
     return found
+
+
+def refuse_non_finite(name: str, array: Array) -> None:
+    """Raise ArgumentError that names the argument and counts its numbers that are NaN or Inf, if there are any."""
+    bad = int(array.size - np.isfinite(array).sum())
+    if bad:
+        raise ArgumentError(f"{name}: expected finite pixels, found {bad} that are NaN or Inf", parameter=name)
 
 
 @kernel

@@ -13,9 +13,8 @@ from typing import Any
 from weakref import WeakValueDictionary
 
 import numpy as np
-import numpy.typing as npt
 
-Array = npt.NDArray[np.float32]
+from flowabs_nodes.array_types import Array
 
 _known: ContextVar[WeakValueDictionary[int, Array] | None] = ContextVar("flowabs_vouched", default=None)
 

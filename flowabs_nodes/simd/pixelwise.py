@@ -10,13 +10,11 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined
 from flowabs_nodes.simd.lanes import LANES, any_lane, bits_of
-
-Array = npt.NDArray[np.float32]
 
 _LEAST = 256  # blocks in a band
 

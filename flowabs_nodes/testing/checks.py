@@ -8,10 +8,11 @@ from functools import partial
 
 import numpy as np
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.engine.call_node import apply, deliver
 from flowabs_nodes.engine.error_boundary import InternalError
 from flowabs_nodes.errors import FlowabsError
-from flowabs_nodes.image import PORT_TYPES, Array, Image
+from flowabs_nodes.image import PORT_TYPES, Image
 from flowabs_nodes.io.settings import Settings
 from flowabs_nodes.nodes.declare import MASK, Context, Node
 from flowabs_nodes.nodes.param import Param

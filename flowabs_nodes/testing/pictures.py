@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowabs_nodes.image import Array, Image, Origin, PortType
+from flowabs_nodes.array_types import Array
+from flowabs_nodes.image import Image, Origin, PortType
 
 #: Shapes of different colours and equal lightness; noise; soft alpha, with 0 and 1; values far above 1 and below 0.
 SCENES = ("shapes", "noise", "alpha", "hdr")

@@ -16,9 +16,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters.flow.gradient import gradient
 from flowabs_nodes.filters.gaussian_blur import blur
-from flowabs_nodes.filters.validate import Array
 
 _SMALLEST = 2.5  # px: 21 pixels; the paper draws such texture with 3
 _FINE = 1.0  # px, sigma: the pixel and those beside it

@@ -15,13 +15,13 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import validate
 from flowabs_nodes.filters.flow import gradient
 from flowabs_nodes.filters.flow.adaptive import kernel_choice, radii
 from flowabs_nodes.filters.flow.etf_passes import smooth
 from flowabs_nodes.filters.flow.fill import flow_fill
 from flowabs_nodes.filters.flow.footprint_sums import passes
-from flowabs_nodes.filters.validate import Array
 
 
 def etf(

@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from flowabs_nodes.filters.flow.footprint_sums import PLANES, ROWS, Int32, Int64, Passes, sum_over_kernels
+from flowabs_nodes.array_types import Array, Int32, Int64
+from flowabs_nodes.filters.flow.footprint_sums import PLANES, ROWS, Passes, sum_over_kernels
 from flowabs_nodes.filters.flow.line_buffers import (
     Layout,
     Memory,
@@ -26,7 +27,6 @@ from flowabs_nodes.filters.flow.line_buffers import (
     whole,
     words_at,
 )
-from flowabs_nodes.filters.validate import Array
 from flowabs_nodes.simd.avx512 import rough_inverse_root
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined, kernel

@@ -17,8 +17,8 @@ from typing import Any
 
 import numpy as np
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters.flow.gradient import half_angle
-from flowabs_nodes.filters.validate import Array
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import LANES, any_lane, lane_numbers, maximum, minimum, select, to_floats

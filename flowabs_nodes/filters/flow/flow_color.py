@@ -6,8 +6,8 @@ import math
 
 import numpy.typing as npt
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import validate
-from flowabs_nodes.filters.validate import Array
 from flowabs_nodes.simd.jit import kernel
 from flowabs_nodes.simd.lanes import from_doubles, maximum, to_doubles
 from flowabs_nodes.simd.memory import load_pairs, store_triples

@@ -13,14 +13,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from flowabs_nodes.array_types import Int32, Int64
 from flowabs_nodes.simd.jit import kernel
 from flowabs_nodes.simd.lanes import LANES, last_lane, prefix_sums, same_ints
 from flowabs_nodes.simd.memory import load, store
-
-Int32 = npt.NDArray[np.int32]
-Int64 = npt.NDArray[np.int64]
 
 u = np.uintp  # unsigned indices do not wrap around, which would cost time
 PLANES = 6  # that may be summed

@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import validate
 from flowabs_nodes.filters.gaussian_blur import blur
-from flowabs_nodes.filters.validate import Array
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import (

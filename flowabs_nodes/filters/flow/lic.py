@@ -7,9 +7,9 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import validate
 from flowabs_nodes.filters.flow.flow_blur import along
-from flowabs_nodes.filters.validate import Array
 
 SPREAD = 0.2  # standard deviation of the streaks at contrast 1
 

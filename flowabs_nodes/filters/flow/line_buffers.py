@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from flowabs_nodes.filters.flow.footprint_sums import PLANES, ROWS, Int32, Int64, Passes
-from flowabs_nodes.filters.validate import Array
+from flowabs_nodes.array_types import Array, Int32, Int64
+from flowabs_nodes.filters.flow.footprint_sums import PLANES, ROWS, Passes
 from flowabs_nodes.simd.bands import count
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import LANES, same_ints

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import gaussian, validate
 from flowabs_nodes.filters.gaussian_blur import separable
-from flowabs_nodes.filters.validate import Array
 
 
 def dog(code: npt.ArrayLike, sigma_c: float = 1.0, rho: float = 0.99) -> Array:

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import gaussian, validate
 from flowabs_nodes.filters.flow.flow_blur import along, planes_of
 from flowabs_nodes.filters.lines.dog_line import across
-from flowabs_nodes.filters.validate import Array
 from flowabs_nodes.sampling.exact_sums import full
 from flowabs_nodes.sampling.modes import SAMPLINGS
 from flowabs_nodes.simd.bands import over_rows

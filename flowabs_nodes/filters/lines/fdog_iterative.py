@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import validate
 from flowabs_nodes.filters.flow.flow_blur import planes_of
 from flowabs_nodes.filters.gaussian_blur import blur
 from flowabs_nodes.filters.lines.fdog import Detector
 from flowabs_nodes.filters.lines.threshold import threshold
 from flowabs_nodes.filters.lines.xdog import xdog, xdog_rho
-from flowabs_nodes.filters.validate import Array
 from flowabs_nodes.simd.bands import over_rows
 
 

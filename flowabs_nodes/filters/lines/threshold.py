@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import validate
-from flowabs_nodes.filters.validate import Array
+from flowabs_nodes.simd.finite import refuse_non_finite
 from flowabs_nodes.simd.jit import kernel
 from flowabs_nodes.simd.known_finite import vouch
 from flowabs_nodes.simd.lanes import maximum, minimum, same_floats, select
@@ -40,7 +41,7 @@ def threshold(response: npt.ArrayLike, tau: float = 0.5, contrast: float | None 
     ArgumentError
         For another shape or dtype, pixels that are not finite, or a parameter out of range.
     """
-    response = validate.plane("response", response, looks=True)
+    response = validate.plane("response", response, check_finite=False)
     tau = validate.number("tau", tau, min=0, max=1)
     softness = validate.number("softness", softness, min=0)
     if contrast is not None:
@@ -51,7 +52,7 @@ def threshold(response: npt.ArrayLike, tau: float = 0.5, contrast: float | None 
         contrast = (math.log(2 - tau) - math.log(tau)) / 2  # -atanh(tau - 1), also where tau - 1 rounds to -1
     run, lines = run_of(response), new_run(response.size)
     if any(over_pixels(_threshold, run.size, run, *_ramp(-contrast, softness), lines)):
-        validate.refuse("response", response)
+        refuse_non_finite("response", response)
     return vouch(picture_of(lines, *response.shape))
 
 

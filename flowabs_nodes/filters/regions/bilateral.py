@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import gaussian, validate
 from flowabs_nodes.filters.regions.range_weights import TINY, closeness, falloff
-from flowabs_nodes.filters.validate import Array
 from flowabs_nodes.simd.avx512 import exp2
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined, kernel

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters.regions.range_weights import (
     Pass,
     add,
@@ -19,7 +20,6 @@ from flowabs_nodes.filters.regions.range_weights import (
     mean,
     only,
 )
-from flowabs_nodes.filters.validate import Array
 from flowabs_nodes.sampling.coords import Frame, padded
 from flowabs_nodes.sampling.samples import AHEAD, expect, find, new_points, read, row_below
 from flowabs_nodes.simd.bands import over_rows

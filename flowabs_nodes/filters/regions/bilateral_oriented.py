@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import validate
 from flowabs_nodes.filters.regions.bilateral_line import pass_on_lines
 from flowabs_nodes.filters.regions.range_weights import in_turn, partial_coverage
-from flowabs_nodes.filters.validate import Array
 from flowabs_nodes.sampling.coords import frame_of
 from flowabs_nodes.sampling.modes import SAMPLINGS
 from flowabs_nodes.simd.bands import over_rows

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import validate
 from flowabs_nodes.filters.regions.bilateral_line import pass_on_lines
 from flowabs_nodes.filters.regions.range_weights import (
@@ -24,7 +25,6 @@ from flowabs_nodes.filters.regions.range_weights import (
     partial_coverage,
     records_of,
 )
-from flowabs_nodes.filters.validate import Array
 from flowabs_nodes.sampling.chain_code import follow, written_walks
 from flowabs_nodes.sampling.coords import Frame, frame_of, padded
 from flowabs_nodes.sampling.modes import SAMPLINGS

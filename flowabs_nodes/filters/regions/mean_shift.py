@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import validate
 from flowabs_nodes.filters.opencv import opencv
 from flowabs_nodes.filters.regions.merge import flatten_regions
-from flowabs_nodes.filters.validate import Array
 
 EightBit = npt.NDArray[np.uint8]
 

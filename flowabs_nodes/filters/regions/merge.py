@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from flowabs_nodes.filters.validate import Array
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.simd.jit import inlined, kernel
 
 

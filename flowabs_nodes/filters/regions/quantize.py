@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy.typing as npt
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import validate
-from flowabs_nodes.filters.validate import Array
+from flowabs_nodes.simd.finite import refuse_non_finite
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import floor, from_doubles, maximum, minimum, rint, same_floats, select, to_doubles
 from flowabs_nodes.simd.memory import load, store
@@ -41,12 +42,12 @@ def quantize(lstar: npt.ArrayLike, levels: int = 8, softness: float = 0.0) -> Ar
     ArgumentError
         For another shape or dtype, pixels that are not finite, or a parameter out of range.
     """
-    lstar = validate.plane("lstar", lstar, looks=True)
+    lstar = validate.plane("lstar", lstar, check_finite=False)
     levels = validate.whole("levels", levels, min=1)
     softness = validate.number("softness", softness, min=0, max=1)
     run, flat = run_of(lstar), new_run(lstar.size)
     if any(over_pixels(_quantize, run.size, run, (levels / 100, softness), flat)):
-        validate.refuse("lstar", lstar)
+        refuse_non_finite("lstar", lstar)
     return picture_of(flat, *lstar.shape)
 
 

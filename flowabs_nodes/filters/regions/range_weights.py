@@ -16,8 +16,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import gaussian, validate
-from flowabs_nodes.filters.validate import Array
 from flowabs_nodes.sampling.coords import Frame, padded
 from flowabs_nodes.simd.avx512 import exp2
 from flowabs_nodes.simd.bands import over_rows

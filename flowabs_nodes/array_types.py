@@ -1,0 +1,12 @@
+"""Names of the array types in signatures. Shapes are said in words beside them: (H, W, C), rows from top to bottom."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+#: What pictures are made of.
+Array = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+Int64 = npt.NDArray[np.int64]
