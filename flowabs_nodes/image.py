@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +13,9 @@ import OpenImageIO as oiio
 from flowabs_nodes import color
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ArgumentError, nearest
-from flowabs_nodes.finishing.deferred import Undecoded
+
+if TYPE_CHECKING:
+    from flowabs_nodes.color.codes import Codes
 
 PortType = Literal["color", "mono", "matte", "flow", "data"]
 PORT_TYPES: tuple[PortType, ...] = ("color", "mono", "matte", "flow", "data")
@@ -34,6 +36,17 @@ class Window(NamedTuple):
     y: int
     width: int
     height: int
+
+
+class PixelSource(Protocol):
+    """Pixels that are made once somebody asks for them: of code values, by decoding and perhaps more."""
+
+    @property
+    def codes(self) -> Codes:
+        """The code values that it begins with; itself, where nothing but decoding is to be done."""
+
+    def decode(self, colorspace: color.ColorSpace) -> Array:
+        """Return the pixels, (H, W, 3), or premultiplied (H, W, 4)."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +115,7 @@ class Image:
         self.origin = origin
         self._spec = spec
         self._pixels = None if pixels is None else np.ascontiguousarray(pixels, np.float32)
-        self._undecoded: Undecoded | None = None
+        self._deferred: PixelSource | None = None
         self._codes: dict[tuple[str, float | None], Array] = {}
         self._monos: dict[tuple[str, float | None], Array] = {}
         self._alpha: Array | None = None
@@ -144,23 +157,21 @@ class Image:
     def pixels(self) -> Array:
         """(H, W, C) float32; decoded from code values the first time, where a filter left those."""
         if self._pixels is None:
-            from flowabs_nodes.color.codes import decoded
-
-            assert self._undecoded is not None
-            self._pixels = decoded(self._undecoded, self.colorspace)
+            assert self._deferred is not None
+            self._pixels = self._deferred.decode(self.colorspace)
         return self._pixels
 
     @property
-    def undecoded(self) -> Undecoded | None:
+    def deferred(self) -> PixelSource | None:
         """What pixels are made of where a filter left code values, else None."""
-        return self._undecoded
+        return self._deferred
 
     @property
     def alpha(self) -> Array | None:
         """(H, W) coverage, or None where the image is opaque: no A, or A = 1 in every pixel."""
         if not self._alpha_known:
             if "A" in self.channels and self.type == "color":
-                pixels = self._undecoded.under if self._undecoded else self._pixels
+                pixels = self._deferred.codes.under if self._deferred else self._pixels
                 assert pixels is not None
                 alpha = np.ascontiguousarray(pixels[..., 3])
                 self._alpha = None if bool((alpha == 1).all()) else alpha
@@ -175,8 +186,9 @@ class Image:
         """
         self._needs_color("encoded")
         ground = None if self.alpha is None else ground
-        if ground is None and self._undecoded and self._undecoded.plain and self._undecoded.space == space:
-            return self._undecoded.codes
+        own = self._own_codes(space) if ground is None else None
+        if own is not None:
+            return own
         if (space, ground) not in self._codes:
             self._encode(space, ground, mono=False)
         return self._handed_out(self._codes[space, ground])
@@ -186,9 +198,9 @@ class Image:
         self._needs_color("encoded_mono")
         ground = None if self.alpha is None else ground
         if (space, ground) not in self._monos:
-            undecoded = self._undecoded
-            if ground is None and space == "lab" and undecoded and undecoded.plain and undecoded.space == space:
-                self._monos[space, ground] = np.ascontiguousarray(undecoded.codes[..., 0])
+            own = self._own_codes(space) if ground is None and space == "lab" else None
+            if own is not None:
+                self._monos[space, ground] = np.ascontiguousarray(own[..., 0])
             else:
                 self._encode(space, ground, codes=ground is None and space in self.expects)
         return self._handed_out(self._monos[space, ground])
@@ -210,6 +222,12 @@ class Image:
             self._codes[space, ground] = colors
         if mono:
             self._monos[space, ground] = lightness
+
+    def _own_codes(self, space: str) -> Array | None:
+        """Return the code values that pixels are yet to be made of, if nothing else is to be done with them."""
+        deferred = self._deferred
+        plain = deferred is not None and deferred.codes is deferred
+        return deferred.codes.values if deferred is not None and plain and deferred.codes.space == space else None
 
     def _needs_color(self, what: str) -> None:
         if self.type != "color":
@@ -245,13 +263,17 @@ class Image:
         self._needs_color("with_codes")
         under = None
         if "A" in self.channels:
-            under = self._undecoded.under if self._undecoded and self._undecoded.plain else self.pixels
-        return self.with_undecoded(Undecoded(np.ascontiguousarray(codes, np.float32), space, under))
+            deferred = self._deferred
+            plain = deferred is not None and deferred.codes is deferred
+            under = deferred.codes.under if deferred is not None and plain else self.pixels
+        from flowabs_nodes.color.codes import Codes  # numba, which an image without code values does not need
 
-    def with_undecoded(self, undecoded: Undecoded) -> Image:
+        return self.with_deferred(Codes(np.ascontiguousarray(codes, np.float32), space, under))
+
+    def with_deferred(self, deferred: PixelSource) -> Image:
         """New colour, as :meth:`with_codes`; what is ``under`` it has this image's alpha."""
         image = Image(None, self._spec, "color", colorspace=self.colorspace, origin=self.origin)
-        image._undecoded = undecoded
+        image._deferred = deferred
         image._alpha, image._alpha_known = self.alpha, True
         return image
 

@@ -6,6 +6,7 @@ import pytest
 from flowabs_nodes import color, filters
 from flowabs_nodes.color import codes as encodings
 from flowabs_nodes.engine.call_node import apply
+from flowabs_nodes.finishing.deferred import Deferred
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes import catalogue
 from flowabs_nodes.nodes.declare import Context
@@ -40,15 +41,18 @@ def conversions(monkeypatch):
     """The names of conversions, as they happen."""
     seen = []
 
-    def count(name, original):
+    def count(home, name, said):
+        original = getattr(home, name)
+
         def counted(*args, **kwargs):
-            seen.append(name)
+            seen.append(said)
             return original(*args, **kwargs)
 
-        monkeypatch.setattr(encodings, name, counted)
+        monkeypatch.setattr(home, name, counted)
 
-    count("encoded", encodings.encoded)
-    count("decoded", encodings.decoded)
+    count(encodings, "encoded", "encoded")
+    count(encodings.Codes, "decode", "decoded")
+    count(Deferred, "decode", "decoded")
     return seen
 
 
@@ -108,7 +112,7 @@ def test_quantise_and_ink_on_the_way_are_those_of_pixels(make, softness, convers
     assert conversions.count("decoded") == 1
 
     plain = image.with_pixels(image.pixels)  # nothing left of code values
-    assert plain.undecoded is None
+    assert plain.deferred is None
     expected = node("quantize", plain, levels=5, softness=softness)
     np.testing.assert_allclose(flat.pixels, expected.pixels, rtol=1e-4, atol=1e-5)
     expected = node("composite", expected, lines=lines, ink=(0.1, 0.2, 0.3), opacity=0.6)

@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from flowabs_nodes.color.codes import decode, encode, encode_mono
     from flowabs_nodes.color.detection import Detected, detect
     from flowabs_nodes.color.lightness import lstar, lstar_inverse, luminance
-    from flowabs_nodes.color.spaces import ColorSpace, space
+    from flowabs_nodes.color.lookup import space
+    from flowabs_nodes.color.spaces import ColorSpace
 
 #: The encodings of code values.
 SPACES = ("lab", "acescct")
@@ -30,7 +31,7 @@ _HOMES = {
     "lstar": "lightness",
     "lstar_inverse": "lightness",
     "luminance": "lightness",
-    "space": "spaces",
+    "space": "lookup",
     "space_from_chromaticities": "chromaticities",
 }
 

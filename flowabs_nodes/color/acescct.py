@@ -9,14 +9,13 @@ from __future__ import annotations
 from typing import Any
 
 from flowabs_nodes.color import constants
-from flowabs_nodes.filters.compositing import over
 from flowabs_nodes.simd.elementary import exp2, log2
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import same_floats, select
 from flowabs_nodes.simd.matrix3 import Rows, mix, second
-from flowabs_nodes.simd.memory import load, load_triples, store, store_quads, store_triples
+from flowabs_nodes.simd.memory import load_triples, store, store_triples
 from flowabs_nodes.simd.pixelwise import doubt, doubtful, first_of
-from flowabs_nodes.simd.premultiplied import covering, seen
+from flowabs_nodes.simd.premultiplied import seen, store_over
 
 UNIT = 255 / constants.ACESCCT_WHITE  # code values of ACEScct 1.0
 X_BREAK = constants.ACESCCT_X_BRK
@@ -68,21 +67,18 @@ def encode(
 
 
 @kernel
-def decode(first: int, last: int, codes: Any, from_ap1: Rows, under: Any, lines: Any, ink: Any, pixels: Any) -> Any:
-    """ACEScct to scene-linear RGB, with alpha if there is a picture ``under`` it, and ink where there are ``lines``."""
+def decode(first: int, last: int, codes: Any, from_ap1: Rows, under: Any, pixels: Any) -> Any:
+    """Turn ACEScct into scene-linear RGB, with the alpha of the picture ``under`` it if there is one."""
     total, count = same_floats(0.0), codes.size // 3
     for block in range(first, last):
         i = first_of(block, count)
         r, g, b = load_triples(codes, 3 * i)
         total = total + (doubt(r) + doubt(g) + doubt(b))
-        red, green, blue = mix(from_ap1, _linear(r), _linear(g), _linear(b))
-        alpha = same_floats(1.0)
-        if under.size > 0:
-            red, green, blue, alpha = covering(red, green, blue, under, i)
-        if lines.size > 0:
-            red, green, blue = over(red, green, blue, alpha, load(lines, i), ink)
-        if under.size > 0:
-            store_quads(pixels, 4 * i, (red, green, blue, alpha))
-        else:
-            store_triples(pixels, 3 * i, (red, green, blue))
+        store_over(to_rgb(r, g, b, from_ap1), under, pixels, i)
     return doubtful(total)
+
+
+@inlined
+def to_rgb(r: Any, g: Any, b: Any, from_ap1: Rows) -> Any:
+    """Return red, green and blue of code values."""
+    return mix(from_ap1, _linear(r), _linear(g), _linear(b))

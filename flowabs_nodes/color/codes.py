@@ -6,17 +6,18 @@ colours below 0: every finite HDR value has a place and comes back.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.color import SPACES, acescct, lab
+from flowabs_nodes.color.lookup import space as find_space
 from flowabs_nodes.color.spaces import KNOWN, ColorSpace, normalised, to_ap1
-from flowabs_nodes.color.spaces import space as find_space
 from flowabs_nodes.errors import ArgumentError, nearest
-from flowabs_nodes.finishing.deferred import Undecoded
 from flowabs_nodes.simd.finite import refuse_non_finite
 from flowabs_nodes.simd.known_finite import vouch
 from flowabs_nodes.simd.matrix3 import Rows, rows
@@ -69,7 +70,7 @@ def decode(codes: npt.ArrayLike, space: str = "lab", colorspace: ColorSpace | st
 
     ``codes`` (H, W, 3); returns (H, W, 3) float32.
     """
-    return decoded(Undecoded(_pixels("codes", codes), _checked(space)), find_space(colorspace))
+    return Codes(_pixels("codes", codes), _checked(space)).decode(find_space(colorspace))
 
 
 def encode_mono(rgb: npt.ArrayLike, space: str = "lab", colorspace: ColorSpace | str = "lin_rec709") -> Array:
@@ -100,7 +101,7 @@ def encoded(
     run = run_of(pixels, channels)
     count = run.size // channels
     colors, lightness = new_run(count, 3) if codes else NOTHING, new_run(count) if mono else NOTHING
-    forward, _, to_luminance = _matrices(space, colorspace)
+    forward, _, to_luminance = matrices(space, colorspace)
     if space == "lab":
         bad = over_pixels(lab.encode, count, run, channels, float(ground), forward, colors, lightness)
     else:
@@ -114,44 +115,51 @@ def encoded(
     )
 
 
-def decoded(undecoded: Undecoded, colorspace: ColorSpace) -> Array:
-    """Code values as a scene-linear picture, (H, W, 3), or premultiplied (H, W, 4) over one that has alpha.
+@dataclass(frozen=True)
+class Codes:
+    """Code values that a picture can be made of: ``values`` (H, W, 3) in the encoding ``space``.
 
-    Alpha is that of the picture ``under``; where it is 0, what was there stays.
+    ``under``, premultiplied (H, W, 4), is the picture that they are the colours of, if that one has alpha.
     """
-    codes, space, under, levels, softness, lines, ink = undecoded
-    height, width, _ = codes.shape
-    channels = 3 if under is None else 4
-    run, below = run_of(codes, 3), NOTHING if under is None else run_of(under, 4)
-    drawing = NOTHING if lines is None else run_of(lines)
-    count = run.size // 3
-    pixels = new_run(count, channels)
-    backward = _matrices(space, colorspace)[1]
-    if space == "lab":
-        bad = over_pixels(lab.decode, count, run, backward, (levels / 100, softness), below, drawing, ink, pixels)
-    else:
-        bad = over_pixels(acescct.decode, count, run, backward, below, drawing, ink, pixels)
-    if any(bad):
-        refuse_non_finite("codes", codes)
-    return vouch(picture_of(pixels, height, width, channels))
+
+    values: Array
+    space: str
+    under: Array | None = None
+
+    @property
+    def codes(self) -> Codes:
+        """These; of a picture with more to be done, those that it begins with."""
+        return self
+
+    def decode(self, colorspace: ColorSpace) -> Array:
+        """Return the scene-linear picture (H, W, 3), or premultiplied (H, W, 4) over one that has alpha.
+
+        Alpha is that of the picture ``under``; where it is 0, what was there stays.
+        """
+        height, width, _ = self.values.shape
+        channels = 3 if self.under is None else 4
+        run, below = run_of(self.values, 3), NOTHING if self.under is None else run_of(self.under, 4)
+        count = run.size // 3
+        pixels = new_run(count, channels)
+        decode = lab.decode if self.space == "lab" else acescct.decode
+        if any(over_pixels(decode, count, run, matrices(self.space, colorspace).backward, below, pixels)):
+            refuse_non_finite("codes", self.values)
+        return vouch(picture_of(pixels, height, width, channels))
 
 
-def flattened(pixels: Array, levels: int, softness: float, colorspace: ColorSpace) -> Array:
-    """A scene-linear picture, (H, W, 3) or premultiplied (H, W, 4), with L* quantised by a gain."""
-    channels = pixels.shape[2]
-    run = run_of(pixels, channels)
-    flat = new_run(run.size // channels, channels)
-    forward = _matrices("lab", colorspace)[0]
-    if any(over_pixels(lab.flatten, run.size // channels, run, channels, forward, (levels / 100, softness), flat)):
-        refuse_non_finite("rgb", pixels)
-    return vouch(picture_of(flat, *pixels.shape))
+class Matrices(NamedTuple):
+    """Of a colour space and an encoding: RGB to the encoding's primaries, back, and to XYZ by way of AP1."""
+
+    forward: Rows
+    backward: Rows
+    to_luminance: Rows  # over the white; its second row is the AP1 luminance
 
 
 @cache
-def _matrices(space: str, colorspace: ColorSpace) -> tuple[Rows, Rows, Rows]:
-    """To the space's primaries, back, and to XYZ over the white by way of AP1 (its second row is the AP1 luminance)."""
+def matrices(space: str, colorspace: ColorSpace) -> Matrices:
+    """Return the matrices of an encoding of a colour space."""
     matrix = normalised(colorspace) if space == "lab" else to_ap1(colorspace)
-    return (
+    return Matrices(
         rows(matrix),
         rows(np.asarray(np.linalg.inv(matrix), np.float64)),
         rows(normalised(KNOWN["lin_ap1_scene"]) @ to_ap1(colorspace)),

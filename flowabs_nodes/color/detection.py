@@ -9,8 +9,9 @@ import OpenImageIO as oiio
 
 from flowabs_nodes.color.chromaticities import space_from_chromaticities
 from flowabs_nodes.color.config import config
+from flowabs_nodes.color.lookup import space
 from flowabs_nodes.color.named import find
-from flowabs_nodes.color.spaces import ColorSpace, space
+from flowabs_nodes.color.spaces import ColorSpace
 from flowabs_nodes.errors import ColorError
 
 #: Before 3.1, OpenImageIO calls the colours of nearly every EXR "lin_rec709", whatever its header says.

@@ -7,7 +7,8 @@ import numpy.typing as npt
 
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.color.constants import LAB_EPSILON, LAB_KAPPA
-from flowabs_nodes.color.spaces import ColorSpace, normalised, space
+from flowabs_nodes.color.lookup import space
+from flowabs_nodes.color.spaces import ColorSpace, normalised
 from flowabs_nodes.errors import ArgumentError
 
 _EPSILON, _KAPPA = np.float32(LAB_EPSILON), np.float32(LAB_KAPPA)

@@ -10,7 +10,6 @@ import numpy.typing as npt
 
 from flowabs_nodes.array_types import Float64
 from flowabs_nodes.color.constants import BRADFORD, RGB_TO_XYZ, Matrix
-from flowabs_nodes.errors import ColorError, nearest
 
 
 @dataclass(frozen=True, repr=False)
@@ -60,38 +59,6 @@ KNOWN: dict[str, ColorSpace] = {name: ColorSpace(name, RGB_TO_XYZ[source]) for n
 STANDARD = frozenset((*KNOWN, "lin_rec709_scene"))
 
 _ALIASES = {alias.lower(): name for name, (_, aliases) in SOURCES.items() for alias in (name, *aliases)}
-
-
-def space(value: ColorSpace | str, ocio: str | None = None) -> ColorSpace:
-    """The scene-linear space of that name.
-
-    Parameters
-    ----------
-    value
-        A :class:`ColorSpace` (returned as it is), a known name or alias (any case), "chromaticities(...)", or any
-        scene-linear space of the OCIO config.
-    ocio
-        An OCIO config; names then mean what they mean there. None is the pinned one.
-
-    Raises
-    ------
-    ColorError
-        If there is no such space, or it is not scene-linear; with the nearest name.
-    """
-    if isinstance(value, ColorSpace):
-        return value
-    if not isinstance(value, str) or not value:
-        raise ColorError(f"{value!r} is not the name of a colour space", hint=nearest(value, KNOWN))
-    name = known(value) if ocio is None or value in STANDARD else None
-    if name is not None:
-        return KNOWN[name]
-    from flowabs_nodes.color import named  # OpenImageIO, which the spaces above do not need
-
-    found = named.find(value, ocio)
-    if found.kind != "linear":
-        kind = "holds data, not colour" if found.kind == "data" else "is not scene-linear RGB"
-        raise ColorError(f"the colour space {value!r} {kind}", hint=f"scene-linear spaces: {', '.join(KNOWN)}")
-    return found.space
 
 
 def known(name: str) -> str | None:

@@ -18,7 +18,7 @@ from flowabs_nodes.simd.memory import load, store_quads, store_triples
 from flowabs_nodes.simd.pixelwise import doubt, doubtful, first_of, new_run, over_pixels, picture_of, run_of
 from flowabs_nodes.simd.premultiplied import rgba
 
-Ink = tuple[float, float, float, float]  # red, green, blue and opacity
+InkColor = tuple[float, float, float, float]  # red, green, blue and opacity
 
 
 def composite(
@@ -62,7 +62,7 @@ def composite(
     return inked(rgb, lines, (*color, opacity), coverage)
 
 
-def inked(pixels: Array, lines: Array, ink: Ink, alpha: Array | None = None) -> Array:
+def inked(pixels: Array, lines: Array, ink: InkColor, alpha: Array | None = None) -> Array:
     """Ink over a picture of (H, W, 3), or one of (H, W, 4) with its own alpha, which stays."""
     channels = pixels.shape[2]
     drawing, there = run_of(lines), np.empty(0, np.float32) if alpha is None else run_of(alpha)
@@ -75,7 +75,9 @@ def inked(pixels: Array, lines: Array, ink: Ink, alpha: Array | None = None) -> 
 
 
 @kernel
-def _composite(first: int, last: int, pixels: Any, channels: int, lines: Any, ink: Ink, alpha: Any, result: Any) -> Any:
+def _composite(
+    first: int, last: int, pixels: Any, channels: int, lines: Any, ink: InkColor, alpha: Any, result: Any
+) -> Any:
     total = same_floats(0.0)
     for block in range(first, last):
         i = first_of(block, lines.size)
@@ -93,7 +95,7 @@ def _composite(first: int, last: int, pixels: Any, channels: int, lines: Any, in
 
 
 @inlined
-def over(r: Any, g: Any, b: Any, a: Any, line: Any, ink: Ink) -> Any:
+def over(r: Any, g: Any, b: Any, a: Any, line: Any, ink: InkColor) -> Any:
     """Ink on premultiplied pixels."""
     red, green, blue, opacity = ink
     k = (1.0 - line) * opacity

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
+
+from flowabs_nodes.array_types import Float64
 
 
 def radius(sigma: float) -> int:
@@ -13,7 +14,7 @@ def radius(sigma: float) -> int:
     return math.ceil(3 * sigma)
 
 
-def half(sigma: float, steps: int | None = None) -> npt.NDArray[np.float64]:
+def half(sigma: float, steps: int | None = None) -> Float64:
     """One side of G(sigma) (eq. 7): weights of the offsets 0, 1 .. ``steps`` (ceil(3 sigma) unless given).
 
     Both sides together, the centre counted once, sum to 1. ``sigma`` 0 is all centre.
@@ -27,8 +28,18 @@ def half(sigma: float, steps: int | None = None) -> npt.NDArray[np.float64]:
     return weights / both
 
 
-def difference(sigma_c: float, rho: float) -> npt.NDArray[np.float64]:
-    """One side of f (eq. 8): G(sigma_c) - rho G(1.6 sigma_c), both over ceil(3 * 1.6 sigma_c) steps."""
-    sigma_s = 1.6 * sigma_c
+#: sigma_s / sigma_c of eq. 8: with it a difference of Gaussians is about the Laplacian of a Gaussian (Marr, Hildreth).
+SURROUND = 1.6
+
+
+def difference(sigma_c: float, rho: float) -> Float64:
+    """Return one side of f (eq. 8): G(sigma_c) - rho G(sigma_s), both over ceil(3 sigma_s) steps."""
+    inner, outer = centre_and_surround(sigma_c)
+    return inner - rho * outer
+
+
+def centre_and_surround(sigma_c: float) -> tuple[Float64, Float64]:
+    """Return one side each of G(sigma_c) and of G(sigma_s), sigma_s = 1.6 sigma_c, both over ceil(3 sigma_s) steps."""
+    sigma_s = SURROUND * sigma_c
     steps = radius(sigma_s)
-    return half(sigma_c, steps) - rho * half(sigma_s, steps)
+    return half(sigma_c, steps), half(sigma_s, steps)

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import gaussian, validate
 from flowabs_nodes.simd.bands import over_rows
+from flowabs_nodes.simd.border import repeat_left, repeat_right
 from flowabs_nodes.simd.jit import kernel
 from flowabs_nodes.simd.lanes import LANES, from_doubles, to_doubles
 from flowabs_nodes.simd.memory import load, store
@@ -69,9 +70,8 @@ def _blur(
                 below = to_doubles(load(rows, min(y + k, height - 1) * stride + x))
                 total = total + weights[k] * (above + below)
             store(column, margin + x, total)
-        for x in range(margin):
-            column[margin - 1 - x] = column[margin - 1 - x + channels]
-            column[margin + used + x] = column[margin + used + x - channels]
+        repeat_left(column, margin, steps, channels)
+        repeat_right(column, margin + used, steps, channels)
         for x0 in range(0, stride, LANES):
             x = min(x0, stride - LANES)
             total = weights[0] * load(column, margin + x)

@@ -1,24 +1,32 @@
-"""Pixels that are not made yet."""
+"""Pictures whose last steps are noted down, to be done with the decoding in one pass once somebody asks for pixels."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 from flowabs_nodes.array_types import Array
+from flowabs_nodes.color.codes import Codes
+from flowabs_nodes.color.spaces import ColorSpace
+from flowabs_nodes.finishing.fused import finish
+from flowabs_nodes.finishing.operations import Operation, fused_together
+from flowabs_nodes.image import PixelSource
 
 
-class Undecoded(NamedTuple):
-    """Code values that pixels are made of once somebody asks for them, and what is done with them on the way."""
+@dataclass(frozen=True)
+class Deferred:
+    """Code values, and the operations on the pixels that they decode to."""
 
-    codes: Array  # (H, W, 3)
-    space: str
-    under: Array | None = None  # what they are the colours of, premultiplied (H, W, 4), if that has alpha
-    levels: int = 0  # L* in so many steps, in the space "lab"; 0 is any L*
-    softness: float = 0.0
-    lines: Array | None = None  # (H, W), laid over
-    ink: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)  # red, green, blue, opacity
+    codes: Codes
+    operations: tuple[Operation, ...]
 
-    @property
-    def plain(self) -> bool:
-        """Whether these are the code values of the pixels."""
-        return self.levels == 0 and self.lines is None
+    def decode(self, colorspace: ColorSpace) -> Array:
+        """Return the finished picture: (H, W, 3), or premultiplied (H, W, 4) where the codes have alpha under them."""
+        return finish(self.codes, self.operations, colorspace)
+
+
+def then(source: PixelSource | None, operation: Operation) -> Deferred | None:
+    """Return ``source`` with one more operation to be done; None if the kernel cannot do that one in the same pass."""
+    if source is None:
+        return None
+    operations = (*(source.operations if isinstance(source, Deferred) else ()), operation)
+    return Deferred(source.codes, operations) if fused_together(source.codes.space, operations) else None

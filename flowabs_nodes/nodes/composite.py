@@ -20,17 +20,19 @@ def run_composite(
 ) -> dict[str, Image]:
     from flowabs_nodes.filters import validate  # what numba compiles is not imported for a declaration
     from flowabs_nodes.filters.compositing import inked
+    from flowabs_nodes.finishing.deferred import then
+    from flowabs_nodes.finishing.operations import Ink
 
     drawing = validate.plane("lines", lines.pixels[..., 0])
     results = {}
     if "image" in context.wanted or not context.wanted:
-        codes = image.undecoded
+        finished = then(image.deferred, Ink(drawing, ink, opacity))
         if space != "linear":
             ink_code = color.encode(np.array([[ink]], np.float32), space=space, colorspace=image.colorspace)[0, 0]
             mixed = filters.composite(image.encoded(space), drawing, ink=tuple(map(float, ink_code)), opacity=opacity)
             results["image"] = image.with_codes(mixed, space)
-        elif codes is not None and codes.lines is None:  # decoded once, with the ink
-            results["image"] = image.with_undecoded(codes._replace(lines=drawing, ink=(*ink, opacity)))
+        elif finished is not None:  # decoded once, with the ink
+            results["image"] = image.with_deferred(finished)
         else:
             results["image"] = image.with_pixels(inked(image.pixels, drawing, (*ink, opacity)))
     if "ink" in context.wanted or not context.wanted:

@@ -30,12 +30,15 @@ EXPOSURE = Node(
 
 
 def run_quantize(context: Context, image: Image, *, levels: int, softness: float) -> Image:
-    codes = image.undecoded
-    if codes is not None and codes.plain and codes.space == "lab":  # nobody needs the picture that is not flat
-        return image.with_undecoded(codes._replace(levels=levels, softness=softness))
-    from flowabs_nodes.color.codes import flattened  # what numba compiles is not imported for a declaration
+    # What numba compiles is not imported for a declaration.
+    from flowabs_nodes.finishing.deferred import then
+    from flowabs_nodes.finishing.fused import quantized
+    from flowabs_nodes.finishing.operations import Quantize
 
-    return image.with_pixels(flattened(image.pixels, levels, softness, image.colorspace))
+    finished = then(image.deferred, Quantize(levels, softness))
+    if finished is not None:  # nobody needs the picture that is not flat
+        return image.with_deferred(finished)
+    return image.with_pixels(quantized(image.pixels, levels, softness, image.colorspace))
 
 
 QUANTIZE = Node(

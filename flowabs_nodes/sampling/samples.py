@@ -10,13 +10,22 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from flowabs_nodes.filters.regions.range_weights import TINY, Color
 from flowabs_nodes.sampling.coords import Frame, between, nearest
 from flowabs_nodes.simd.jit import inline
 from flowabs_nodes.simd.lanes import LANES, inlined, select
 from flowabs_nodes.simd.memory import load, octets_at, quads_at, scratch, soon_read, soon_written, store
 
+TINY = np.float32(1e-20)  # an alpha from which colours can no longer be told
 AHEAD = 128  # pixels: what is fetched while these are worked on
+
+
+class Color(NamedTuple):
+    """Of sixteen records. What is read of records of three has no alpha: what is there then means nothing."""
+
+    l: Any  # noqa: E741
+    a: Any
+    b: Any
+    alpha: Any
 
 
 class Points(NamedTuple):

@@ -20,6 +20,7 @@ import numpy.typing as npt
 
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.simd.bands import over_rows
+from flowabs_nodes.simd.border import repeat_left, repeat_right
 from flowabs_nodes.simd.lanes import LANES, absolute, any_lane, inlined, maximum, minimum
 from flowabs_nodes.simd.memory import load, load_pairs, quads_at, store_pairs, store_quads
 
@@ -116,7 +117,7 @@ def fill_lattice(lattice: Any, plane: Any, start: int, tile: Tile) -> None:
             x = min(x0, tile.width - LANES)
             here = load(plane, row + x)
             store_pairs(lattice, to + x, (here, load(plane, below + x) - here))
-        _repeat_border(lattice, to, tile)
+        _repeat_border(lattice, to, tile, 1)
 
 
 @inlined
@@ -130,7 +131,7 @@ def fill_tangents(tangents: Any, flow: Any, tile: Tile) -> bool:
             tx, ty = load_pairs(flow, row + x)
             fits = fits and short(tx, ty)
             store_pairs(tangents, to + x, (tx, ty))
-        _repeat_border(tangents, to, tile)
+        _repeat_border(tangents, to, tile, 1)
     return fits
 
 
@@ -147,11 +148,7 @@ def fill_records(records: Any, flow: Any, planes: Any, starts: tuple[int, int], 
             store_quads(
                 records, to + 2 * x, (tx, ty, load(planes, starts[0] + row + x), load(planes, starts[1] + row + x))
             )
-        for half in range(2):  # of a record
-            if tile.left < 0:
-                records[to + half - 2] = records[to + half]
-            if tile.right == tile.width - 1:
-                records[to + half + 2 * tile.width] = records[to + half + 2 * tile.width - 2]
+        _repeat_border(records, to, tile, 2)
     return fits
 
 
@@ -173,8 +170,9 @@ def _first(y: int, tile: Tile) -> int:
 
 
 @inlined
-def _repeat_border(pairs: Any, to: int, tile: Tile) -> None:
+def _repeat_border(row: Any, to: int, tile: Tile, size: int) -> None:
+    """Repeat the border once where the tile reaches over it; records of ``size`` items, that of column 0 at row[to]."""
     if tile.left < 0:
-        pairs[to - 1] = pairs[to]
+        repeat_left(row, to, 1, size)
     if tile.right == tile.width - 1:
-        pairs[to + tile.width] = pairs[to + tile.width - 1]
+        repeat_right(row, to + size * tile.width, 1, size)

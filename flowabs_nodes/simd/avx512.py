@@ -1,4 +1,4 @@
-"""What AVX-512 has instructions for, and other processors calculate: 2^x, tables of sixteen, rough inverse roots.
+"""What AVX-512 has instructions for, and other processors calculate: powers of 2, small tables, inverse roots.
 
 The only place where the paths of :data:`~flowabs_nodes.simd.target.PATH` differ in the vector layer.
 """
@@ -19,7 +19,6 @@ from flowabs_nodes.simd.lanes import (
     from_bits,
     ints,
     llvm_function,
-    maximum,
     operation,
     sqrt,
     to_ints,
@@ -36,8 +35,8 @@ if PATH == "avx512":
     _nothing = constant(_F, 0.0)
 
     #: x - floor(x), and x 2^floor(y).
-    _fraction = operation([floats], floats, lambda b, x: _reduce(b, x, _I32(1), _nothing, _ALL, _DEFAULT))
-    _scaled = operation([floats, floats], floats, lambda b, x, y: _scale(b, x, y, _nothing, _ALL, _DEFAULT))
+    fraction = operation([floats], floats, lambda b, x: _reduce(b, x, _I32(1), _nothing, _ALL, _DEFAULT))
+    times_exp2_of_floor = operation([floats, floats], floats, lambda b, x, y: _scale(b, x, y, _nothing, _ALL, _DEFAULT))
     #: table[i & 15] for each i.
     look_up = operation([ints, ints], ints, lambda b, table, i: _permute(b, table, i))
     #: 1 / sqrt(x), to 2^-13 of it.
@@ -50,11 +49,11 @@ else:
         return 1.0 / sqrt(x)
 
     @inlined
-    def _fraction(x: Any) -> Any:
+    def fraction(x: Any) -> Any:
         return x - floor(x)
 
     @inlined
-    def _scaled(x: Any, y: Any) -> Any:
+    def times_exp2_of_floor(x: Any, y: Any) -> Any:
         return x * from_bits((to_ints(floor(y)) + 127) << 23)
 
     @intrinsic
@@ -69,18 +68,3 @@ else:
             return result
 
         return ints(ints, ints), generate
-
-
-@inlined
-def exp2(x: Any) -> Any:
-    """2^x for x <= 0, to 4e-6 of its value; below -100, where nothing is left that would count, 2^-100.
-
-    2^x = 2^floor(x) 2^f: the polynomial is the one of degree 4 with the least relative error on 0 <= f < 1.
-    """
-    x = maximum(x, -100.0)  # sums with numbers below 2^-126, which are held with fewer digits, are slow
-    f = _fraction(x)
-    power = f * 0.01353417 + 0.05201146
-    power = power * f + 0.24144276
-    power = power * f + 0.69300383
-    power = power * f + 1.0000026
-    return _scaled(power, x)

@@ -1,13 +1,18 @@
-"""Cube root, log2 and exp2 of sixteen float32, of additions and multiplications only.
+"""Cube root, logarithm and powers of 2 of sixteen float32 at a time.
 
-The polynomials are minimax fits over the ranges said beside them.
+The polynomials are minimax fits over the ranges said beside them. There are three powers of 2, since each digit costs
+time: :func:`exp2` for colours, :func:`exp2_of_negative` for the strength of lines, :func:`exp2_weight` for weights of
+means, where errors average out.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-from flowabs_nodes.simd.lanes import bits_of, floor, from_bits, inlined, minimum, to_floats, to_ints
+from flowabs_nodes.simd.avx512 import fraction, times_exp2_of_floor
+from flowabs_nodes.simd.lanes import bits_of, floor, from_bits, inlined, maximum, minimum, rint, to_floats, to_ints
+
+LOG2_E = 1.4426950408889634  # e^x = 2^(LOG2_E x)
 
 
 @inlined
@@ -46,3 +51,29 @@ def exp2(x: Any) -> Any:
     p = 0.00961842199 + t * (0.00134000765 + t * 0.000153618236)  # 2^t on -1/2 .. 1/2, within 2e-9
     p = 0.693147207 + t * (0.240226477 + t * (0.0555032816 + t * p))
     return (1.0 + t * p) * from_bits((to_ints(whole) + 127) << 23)
+
+
+@inlined
+def exp2_of_negative(x: Any) -> Any:
+    """2^x for x <= 0, relatively within 3e-7; below -100, where nothing is left that would count, 2^-100."""
+    x = maximum(x, -100.0)
+    whole = rint(x)
+    t = x - whole
+    p = t * 0.0013276474 + 0.009675542  # 2^t on -1/2 .. 1/2
+    p = p * t + 0.055507133
+    p = p * t + 0.2402212
+    p = p * t + 0.69314697
+    p = p * t + 1.0
+    return p * from_bits((to_ints(whole) + 127) << 23)
+
+
+@inlined
+def exp2_weight(x: Any) -> Any:
+    """2^x for x <= 0, relatively within 4e-6; below -100, where nothing is left that would count, 2^-100."""
+    x = maximum(x, -100.0)  # sums with numbers below 2^-126, which are held with fewer digits, are slow
+    t = fraction(x)
+    p = t * 0.01353417 + 0.05201146  # 2^t on 0 .. 1
+    p = p * t + 0.24144276
+    p = p * t + 0.69300383
+    p = p * t + 1.0000026
+    return times_exp2_of_floor(p, x)

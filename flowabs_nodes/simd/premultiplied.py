@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from flowabs_nodes.simd.lanes import absolute, inlined, same_floats, select
-from flowabs_nodes.simd.memory import load_quads, load_triples
+from flowabs_nodes.simd.memory import load_quads, load_triples, store_quads, store_triples
 
 
 @inlined
@@ -37,3 +37,13 @@ def covering(r: Any, g: Any, b: Any, under: Any, i: Any) -> Any:
     red, green, blue, a = load_quads(under, 4 * i)
     there = absolute(a) > 0.0
     return select(there, r * a, red), select(there, g * a, green), select(there, b * a, blue), a
+
+
+@inlined
+def store_over(rgb: Any, under: Any, pixels: Any, i: Any) -> None:
+    """Write red, green and blue as the pixels from the i-th on, premultiplied if there is a picture ``under`` them."""
+    r, g, b = rgb
+    if under.size > 0:
+        store_quads(pixels, 4 * i, covering(r, g, b, under, i))
+    else:
+        store_triples(pixels, 3 * i, (r, g, b))

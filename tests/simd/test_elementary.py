@@ -1,6 +1,7 @@
 """The kernels' own functions against float64, over every binade."""
 
 import numpy as np
+import pytest
 from numba import njit
 
 from flowabs_nodes.simd import elementary
@@ -45,3 +46,13 @@ def test_exp2():
     np.testing.assert_allclose(_each(elementary.exp2, x), np.exp2(x.astype(np.float64)), rtol=1.1e-7)
     assert _each(elementary.exp2, np.array([0, 1, 10], np.float32)).tolist() == [1, 2, 1024]
     assert np.isfinite(_each(elementary.exp2, np.array([127.6, 1e6, 3e38], np.float32))).all()
+
+
+SMALL = -np.concatenate([np.linspace(0, 100, 200_001), np.geomspace(1e-30, 100, 10_001)]).astype(np.float32)
+
+
+@pytest.mark.parametrize(("power", "error"), [(elementary.exp2_of_negative, 3e-7), (elementary.exp2_weight, 4e-6)])
+def test_exp2_of_numbers_below_zero(power, error):
+    np.testing.assert_allclose(_each(power, SMALL), 2.0 ** SMALL.astype(np.float64), rtol=error)
+    powers = _each(power, np.array([-100.5, -1e5, -1e38, -np.inf], np.float32))
+    assert ((powers >= 0) & (powers <= 1e-30)).all()  # too small to count

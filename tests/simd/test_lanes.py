@@ -129,16 +129,6 @@ def test_rough_inverse_root() -> None:
         np.testing.assert_allclose(inverse_root(x, x), x.astype(np.float64) ** -0.5, rtol=2.0**-13)
 
 
-def test_exp2() -> None:
-    """Its bound; and far below, nothing."""
-    exp2 = kernel(lambda x, _: avx512.exp2(x))
-    for x in np.concatenate([-np.logspace(-30, np.log10(100), 320), [0] * LANES]).reshape(-1, LANES).astype(np.float32):
-        np.testing.assert_allclose(exp2(x, x), 2.0 ** x.astype(np.float64), rtol=4e-6)
-    far = -np.logspace(np.log10(101), 38, LANES).astype(np.float32)
-    far[-1] = -np.inf
-    np.testing.assert_allclose(exp2(far, far), 2.0**-100, rtol=4e-6)
-
-
 PICTURE = np.arange(100, dtype=np.float32) ** 2
 PLACES = RANDOM.integers(0, 92, LANES).astype(np.int32)
 

@@ -122,11 +122,12 @@ def _fill(plate: Plate) -> object:
 
 
 def _finish(plate: Plate) -> object:
-    from flowabs_nodes.color.codes import decoded
-    from flowabs_nodes.finishing.deferred import Undecoded
+    from flowabs_nodes.color.codes import Codes
+    from flowabs_nodes.finishing.fused import finish
+    from flowabs_nodes.finishing.operations import Ink, Quantize
 
-    flat = Undecoded(plate.codes, "lab", levels=8, lines=plate.lines, ink=(0.0, 0.0, 0.0, 1.0))
-    return decoded(flat, color.space("lin_rec709"))
+    operations = Quantize(8, 0.0), Ink(plate.lines, (0.0, 0.0, 0.0), 1.0)
+    return finish(Codes(plate.codes, "lab"), operations, color.space("lin_rec709"))
 
 
 STAGES: dict[str, Stage] = {

@@ -17,6 +17,7 @@ from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import validate
 from flowabs_nodes.filters.gaussian_blur import blur
 from flowabs_nodes.simd.bands import over_rows
+from flowabs_nodes.simd.border import repeat_left, repeat_right
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import (
     LANES,
@@ -136,10 +137,10 @@ def _gradient(
     size = channels * (width + 2)
     rows = np.empty((3, size), np.float32)
     for y in range(first - 1, first + 1):
-        _repeat_border(code, channels, height, width, y, rows[y % 3])
+        _load_row(code, channels, height, width, y, rows[y % 3])
     largest, shortest = same_floats(0.0), same_floats(1.0)
     for y in range(first, last):
-        _repeat_border(code, channels, height, width, y + 1, rows[(y + 1) % 3])
+        _load_row(code, channels, height, width, y + 1, rows[(y + 1) % 3])
         above, here, below = rows[(y - 1) % 3], rows[y % 3], rows[(y + 1) % 3]
         for x0 in range(0, width, LANES):
             x = min(x0, width - LANES)
@@ -168,7 +169,7 @@ def _gradient(
 
 
 @inlined
-def _repeat_border(code: Array, channels: int, height: int, width: int, y: int, row: Array) -> None:
+def _load_row(code: Array, channels: int, height: int, width: int, y: int, row: Array) -> None:
     """Row y of each channel, one pixel longer at either end."""
     start = min(max(y, 0), height - 1) * width * channels
     columns = width + 2
@@ -186,7 +187,8 @@ def _repeat_border(code: Array, channels: int, height: int, width: int, y: int, 
                 for lane in range(i, i + LANES):
                     row[k * columns + 1 + lane] = code[start + lane * channels + k]
     for first in range(0, channels * columns, columns):
-        row[first], row[first + width + 1] = row[first + 1], row[first + width]
+        repeat_left(row, first + 1, 1, 1)
+        repeat_right(row, first + 1 + width, 1, 1)
 
 
 @inlined

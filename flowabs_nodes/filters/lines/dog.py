@@ -35,7 +35,5 @@ def dog(code: npt.ArrayLike, sigma_c: float = 1.0, rho: float = 0.99) -> Array:
     code = validate.plane("code", code)
     sigma_c = validate.number("sigma_c", sigma_c, above=0, max=10_000)
     rho = validate.number("rho", rho, min=0, max=2)
-    steps = gaussian.radius(1.6 * sigma_c)
-    inner = separable(code, gaussian.half(sigma_c, steps))
-    outer = separable(code, gaussian.half(1.6 * sigma_c, steps))
-    return inner - np.float32(rho) * outer
+    centre, surround = gaussian.centre_and_surround(sigma_c)
+    return separable(code, centre) - np.float32(rho) * separable(code, surround)

@@ -14,9 +14,11 @@ from flowabs_nodes.filters.flow.flow_blur import along, planes_of
 from flowabs_nodes.filters.lines.dog_line import across
 from flowabs_nodes.sampling.exact_sums import full
 from flowabs_nodes.sampling.modes import SAMPLINGS
-from flowabs_nodes.simd.bands import over_rows
-from flowabs_nodes.simd.exponential import LOG2_E, exp2
+from flowabs_nodes.simd.elementary import LOG2_E, exp2_of_negative
 from flowabs_nodes.simd.jit import kernel
+from flowabs_nodes.simd.lanes import absolute, same_floats, select, sqrt
+from flowabs_nodes.simd.memory import load, store
+from flowabs_nodes.simd.pixelwise import first_of, new_run, over_pixels, picture_of, run_of
 
 
 def fdog(
@@ -103,21 +105,22 @@ class Detector:
         if self.color_weight == 0:
             first: Array = responses[0]
             return first
-        joined = np.empty(flow.shape[:2], np.float32)
-        over_rows(_join, flow.shape[0], responses, np.float32(self.color_weight), joined)
-        return joined
+        # A picture of one channel has no colour: its lightness stands in, and is not read.
+        channels = [run_of(responses[min(c, len(responses) - 1)]) for c in range(3)]
+        joined, weight = new_run(responses[0].size), np.float32(self.color_weight)
+        over_pixels(_join, joined.size, *channels, len(responses) > 1, weight, joined)
+        return picture_of(joined, *flow.shape[:2])
 
 
 @kernel
-def _join(first: int, last: int, responses: Any, weight: Any, joined: Any) -> None:
-    """H of all channels together."""
-    is_color = responses.shape[0] > 1
-    for y in range(first, last):
-        for x in range(joined.shape[1]):
-            d = responses[0, y, x]
-            a = weight * responses[1, y, x] if is_color else np.float32(0.0)
-            b = weight * responses[2, y, x] if is_color else np.float32(0.0)
-            # tanh(2 |d|) = (1 - e) / (1 + e) with e = exp(-4 |d|)
-            e = exp2(np.float32(-4 * LOG2_E) * abs(d))
-            strength = (np.float32(1.0) - e) / (np.float32(1.0) + e) * np.sqrt(d * d + a * a + b * b)
-            joined[y, x] = -strength if d < 0 else strength
+def _join(first: int, last: int, lightness: Any, a: Any, b: Any, is_color: bool, weight: Any, joined: Any) -> None:
+    """Join the responses of all channels to H = tanh(2 d_L) sqrt(d_L^2 + w^2 (d_a^2 + d_b^2))."""
+    for block in range(first, last):
+        i = first_of(block, joined.size)
+        d, da, db = load(lightness, i), same_floats(0.0), same_floats(0.0)
+        if is_color:
+            da, db = load(a, i) * weight, load(b, i) * weight
+        # tanh(2 |d|) = (1 - e) / (1 + e) with e = exp(-4 |d|)
+        e = exp2_of_negative(absolute(d) * (-4 * LOG2_E))
+        strength = (1.0 - e) / (1.0 + e) * sqrt(d * d + da * da + db * db)
+        store(joined, i, select(d < 0.0, -strength, strength))

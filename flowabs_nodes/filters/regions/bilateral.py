@@ -9,9 +9,11 @@ import numpy.typing as npt
 
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import gaussian, validate
-from flowabs_nodes.filters.regions.range_weights import TINY, closeness, falloff
-from flowabs_nodes.simd.avx512 import exp2
+from flowabs_nodes.filters.regions.range_weights import closeness, falloff
+from flowabs_nodes.sampling.samples import TINY
 from flowabs_nodes.simd.bands import over_rows
+from flowabs_nodes.simd.border import repeat_left, repeat_right
+from flowabs_nodes.simd.elementary import exp2_weight
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import LANES, same_floats, select
 from flowabs_nodes.simd.memory import load, load_triples, store, store_triples
@@ -114,17 +116,15 @@ def _lay_out(first: int, last: int, codes: Any, alpha: Any, size: Size, picture:
             store(picture, row + plane + x, select(there, a0, nothing))
             store(picture, row + 2 * plane + x, select(there, b0, nothing))
             store(picture, row + 3 * plane + x, select(there, k, nothing))
-        _repeat_border(picture, y, size)
+        _repeat_borders(picture, y, size)
 
 
 @inlined
-def _repeat_border(picture: Any, y: int, size: Size) -> None:
+def _repeat_borders(picture: Any, y: int, size: Size) -> None:
     row, plane = _row(y, size)
     for c in range(4):
-        begin, end = row + c * plane, row + c * plane + size.width
-        for x in range(size.margin):
-            picture[begin - 1 - x] = picture[begin]
-            picture[end + x] = picture[end - 1]
+        repeat_left(picture, row + c * plane, size.margin, 1)
+        repeat_right(picture, row + c * plane + size.width, size.margin, 1)
 
 
 @kernel
@@ -176,7 +176,7 @@ def _smooth(
             store(smoothed, row + plane + x, a0 + over * da)
             store(smoothed, row + 2 * plane + x, b0 + over * db)
             store(smoothed, row + 3 * plane + x, alpha)
-        _repeat_border(smoothed, y, size)
+        _repeat_borders(smoothed, y, size)
 
 
 @inlined
@@ -184,5 +184,5 @@ def _weigh(sums: Any, picture: Any, i: int, plane: int, l0: Any, a0: Any, b0: An
     """Add a neighbour of each pixel, weighted by alpha, distance and colour; sums of differences round the least."""
     dl, da, db, weight = sums
     el, ea, eb = load(picture, i) - l0, load(picture, i + plane) - a0, load(picture, i + 2 * plane) - b0
-    w = load(picture, i + 3 * plane) * exp2(near + falloff * (el * el + ea * ea + eb * eb))
+    w = load(picture, i + 3 * plane) * exp2_weight(near + falloff * (el * el + ea * ea + eb * eb))
     return dl + w * el, da + w * ea, db + w * eb, weight + w

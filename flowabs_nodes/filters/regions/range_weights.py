@@ -19,14 +19,12 @@ import numpy.typing as npt
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import gaussian, validate
 from flowabs_nodes.sampling.coords import Frame, padded
-from flowabs_nodes.simd.avx512 import exp2
+from flowabs_nodes.sampling.samples import TINY, Color
 from flowabs_nodes.simd.bands import over_rows
-from flowabs_nodes.simd.exponential import LOG2_E
+from flowabs_nodes.simd.elementary import LOG2_E, exp2_weight
 from flowabs_nodes.simd.jit import kernel
 from flowabs_nodes.simd.lanes import LANES, inlined, same_floats, select
 from flowabs_nodes.simd.memory import load, load_quads, load_triples, store, store_quads, store_triples
-
-TINY = np.float32(1e-20)  # an alpha from which colours can no longer be told
 
 #: Fills its second argument from the first.
 Pass = Callable[[Array, Array], Any]
@@ -112,15 +110,6 @@ def falloff(r: float) -> np.float32:
     return np.float32(max(-LOG2_E / 2 / r / r, -1e30))
 
 
-class Color(NamedTuple):
-    """Of sixteen records. What is read of records of three has no alpha: what is there then means nothing."""
-
-    l: Any  # noqa: E741
-    a: Any
-    b: Any
-    alpha: Any
-
-
 class Sums(NamedTuple):
     """The weighted sums of differences of colour from the centre, and the sum of weights.
 
@@ -160,7 +149,7 @@ def only(centre: Color) -> Sums:
 def add(sums: Sums, centre: Color, reading: Color, closeness: float, falloff: float, alpha: Any) -> Sums:
     """And one reading for each pixel, with its weight alpha G h."""
     l, a, b = reading.l - centre.l, reading.a - centre.a, reading.b - centre.b  # noqa: E741
-    weight = exp2((l * l + a * a + b * b) * falloff + closeness)
+    weight = exp2_weight((l * l + a * a + b * b) * falloff + closeness)
     if alpha is not None:
         weight = weight * reading.alpha
     return Sums(sums.l + weight * l, sums.a + weight * a, sums.b + weight * b, sums.weight + weight)
