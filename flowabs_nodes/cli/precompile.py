@@ -29,7 +29,7 @@ def compiling_ahead(graph: str, values: Mapping[str, Any]) -> Iterator[None]:
         with suppress(OSError):  # no processes left: then without
             begun.append(_begin(graph, values))
 
-    if bands.count() > 1 and not getattr(sys, "frozen", False):  # there is a Python to start
+    if bands.thread_count() > 1 and not getattr(sys, "frozen", False):  # there is a Python to start
         compile_hooks.waiting.append(begin)
     try:
         yield

@@ -11,11 +11,11 @@ from typing import Any
 from flowabs_nodes.color import constants
 from flowabs_nodes.simd.elementary import exp2, log2
 from flowabs_nodes.simd.jit import inlined, kernel
-from flowabs_nodes.simd.lanes import same_floats, select
-from flowabs_nodes.simd.matrix3 import Rows, mix, second
+from flowabs_nodes.simd.lanes import select, splat_floats
+from flowabs_nodes.simd.matrix3 import Rows, mix, mix_second_row
 from flowabs_nodes.simd.memory import load_triples, store, store_triples
-from flowabs_nodes.simd.pixelwise import doubt, doubtful, first_of
-from flowabs_nodes.simd.premultiplied import seen, store_over
+from flowabs_nodes.simd.pixelwise import any_nan, first_pixel, zero_or_nan
+from flowabs_nodes.simd.premultiplied import load_rgb_over_ground, store_over
 
 UNIT = 255 / constants.ACESCCT_WHITE  # code values of ACEScct 1.0
 X_BREAK = constants.ACESCCT_X_BRK
@@ -53,29 +53,29 @@ def encode(
 
     That is the second row of ``to_luminance``.
     """
-    total, count = same_floats(0.0), pixels.size // channels
+    total, count = splat_floats(0.0), pixels.size // channels
     for block in range(first, last):
-        i = first_of(block, count)
-        r, g, b = seen(pixels, channels, ground, i)
-        total = total + (doubt(r) + doubt(g) + doubt(b))
+        i = first_pixel(block, count)
+        r, g, b = load_rgb_over_ground(pixels, channels, ground, i)
+        total = total + (zero_or_nan(r) + zero_or_nan(g) + zero_or_nan(b))
         if mono.size > 0:
-            store(mono, i, _code(second(to_luminance, r, g, b)))
+            store(mono, i, _code(mix_second_row(to_luminance, r, g, b)))
         if codes.size > 0:
             r, g, b = mix(to_ap1, r, g, b)
             store_triples(codes, 3 * i, (_code(r), _code(g), _code(b)))
-    return doubtful(total)
+    return any_nan(total)
 
 
 @kernel
 def decode(first: int, last: int, codes: Any, from_ap1: Rows, under: Any, pixels: Any) -> Any:
     """Turn ACEScct into scene-linear RGB, with the alpha of the picture ``under`` it if there is one."""
-    total, count = same_floats(0.0), codes.size // 3
+    total, count = splat_floats(0.0), codes.size // 3
     for block in range(first, last):
-        i = first_of(block, count)
+        i = first_pixel(block, count)
         r, g, b = load_triples(codes, 3 * i)
-        total = total + (doubt(r) + doubt(g) + doubt(b))
+        total = total + (zero_or_nan(r) + zero_or_nan(g) + zero_or_nan(b))
         store_over(to_rgb(r, g, b, from_ap1), under, pixels, i)
-    return doubtful(total)
+    return any_nan(total)
 
 
 @inlined

@@ -19,9 +19,9 @@ from flowabs_nodes.color.lookup import space as find_space
 from flowabs_nodes.color.spaces import KNOWN, ColorSpace, normalised, to_ap1
 from flowabs_nodes.errors import ArgumentError, nearest
 from flowabs_nodes.simd.finite import refuse_non_finite
-from flowabs_nodes.simd.known_finite import vouch
+from flowabs_nodes.simd.known_finite import mark_finite
 from flowabs_nodes.simd.matrix3 import Rows, rows
-from flowabs_nodes.simd.pixelwise import new_run, over_pixels, picture_of, run_of
+from flowabs_nodes.simd.pixelwise import as_picture, as_run, empty_run, over_pixels
 
 NOTHING = np.empty(0, np.float32)
 BARE = -1.0  # no ground at all: colours that are not multiplied by their alpha
@@ -98,9 +98,9 @@ def encoded(
     rgb / A.
     """
     height, width, channels = pixels.shape
-    run = run_of(pixels, channels)
+    run = as_run(pixels, channels)
     count = run.size // channels
-    colors, lightness = new_run(count, 3) if codes else NOTHING, new_run(count) if mono else NOTHING
+    colors, lightness = empty_run(count, 3) if codes else NOTHING, empty_run(count) if mono else NOTHING
     forward, _, to_luminance = matrices(space, colorspace)
     if space == "lab":
         bad = over_pixels(lab.encode, count, run, channels, float(ground), forward, colors, lightness)
@@ -110,8 +110,8 @@ def encoded(
         refuse_non_finite("rgb", pixels)
         raise ArgumentError("rgb: divided by alpha, there are pixels beyond float32", parameter="rgb")
     return (
-        vouch(picture_of(colors, *((height, width) if codes else (0, 0)), 3)),
-        vouch(picture_of(lightness, *((height, width) if mono else (0, 0)))),
+        mark_finite(as_picture(colors, *((height, width) if codes else (0, 0)), 3)),
+        mark_finite(as_picture(lightness, *((height, width) if mono else (0, 0)))),
     )
 
 
@@ -138,13 +138,13 @@ class Codes:
         """
         height, width, _ = self.values.shape
         channels = 3 if self.under is None else 4
-        run, below = run_of(self.values, 3), NOTHING if self.under is None else run_of(self.under, 4)
+        run, below = as_run(self.values, 3), NOTHING if self.under is None else as_run(self.under, 4)
         count = run.size // 3
-        pixels = new_run(count, channels)
+        pixels = empty_run(count, channels)
         decode = lab.decode if self.space == "lab" else acescct.decode
         if any(over_pixels(decode, count, run, matrices(self.space, colorspace).backward, below, pixels)):
             refuse_non_finite("codes", self.values)
-        return vouch(picture_of(pixels, height, width, channels))
+        return mark_finite(as_picture(pixels, height, width, channels))
 
 
 class Matrices(NamedTuple):

@@ -14,11 +14,11 @@ from typing import Any
 from flowabs_nodes.color import constants
 from flowabs_nodes.simd.elementary import cube_root
 from flowabs_nodes.simd.jit import inlined, kernel
-from flowabs_nodes.simd.lanes import same_floats, select
-from flowabs_nodes.simd.matrix3 import Rows, mix, second
+from flowabs_nodes.simd.lanes import select, splat_floats
+from flowabs_nodes.simd.matrix3 import Rows, mix, mix_second_row
 from flowabs_nodes.simd.memory import load_triples, store, store_triples
-from flowabs_nodes.simd.pixelwise import doubt, doubtful, first_of
-from flowabs_nodes.simd.premultiplied import seen, store_over
+from flowabs_nodes.simd.pixelwise import any_nan, first_pixel, zero_or_nan
+from flowabs_nodes.simd.premultiplied import load_rgb_over_ground, store_over
 
 EPSILON = constants.LAB_EPSILON
 SLOPE = constants.LAB_KAPPA / 116
@@ -46,22 +46,22 @@ def g_inverse(g: Any) -> Any:
 def encode(
     first: int, last: int, pixels: Any, channels: int, ground: float, to_xyz: Rows, codes: Any, mono: Any
 ) -> Any:
-    """What is :func:`~flowabs_nodes.simd.premultiplied.seen` of a picture as L*, a*, b*, and as L* alone.
+    """Turn a picture over its ground (``load_rgb_over_ground``) into L*, a*, b*, and into L* alone.
 
     ``to_xyz`` is over the white.
     """
-    total, count = same_floats(0.0), pixels.size // channels
+    total, count = splat_floats(0.0), pixels.size // channels
     for block in range(first, last):
-        i = first_of(block, count)
-        r, g, b = seen(pixels, channels, ground, i)
-        total = total + (doubt(r) + doubt(g) + doubt(b))
-        gy = g_of(second(to_xyz, r, g, b))
+        i = first_pixel(block, count)
+        r, g, b = load_rgb_over_ground(pixels, channels, ground, i)
+        total = total + (zero_or_nan(r) + zero_or_nan(g) + zero_or_nan(b))
+        gy = g_of(mix_second_row(to_xyz, r, g, b))
         if mono.size > 0:
             store(mono, i, L * gy)
         if codes.size > 0:
             x, _, z = mix(to_xyz, r, g, b)
             store_triples(codes, 3 * i, (L * gy, A * (g_of(x) - gy), B * (gy - g_of(z))))
-    return doubtful(total)
+    return any_nan(total)
 
 
 @kernel
@@ -70,13 +70,13 @@ def decode(first: int, last: int, codes: Any, from_xyz: Rows, under: Any, pixels
 
     ``from_xyz`` takes XYZ over the white.
     """
-    total, count = same_floats(0.0), codes.size // 3
+    total, count = splat_floats(0.0), codes.size // 3
     for block in range(first, last):
-        i = first_of(block, count)
+        i = first_pixel(block, count)
         lightness, a, b = load_triples(codes, 3 * i)
-        total = total + (doubt(lightness) + doubt(a) + doubt(b))
+        total = total + (zero_or_nan(lightness) + zero_or_nan(a) + zero_or_nan(b))
         store_over(to_rgb(lightness, a, b, from_xyz), under, pixels, i)
-    return doubtful(total)
+    return any_nan(total)
 
 
 @inlined

@@ -19,7 +19,7 @@ from flowabs_nodes.engine.report import Note
 from flowabs_nodes.engine.resize import scale_image
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node
-from flowabs_nodes.simd.known_finite import remembered
+from flowabs_nodes.simd.known_finite import remember_finite
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -63,7 +63,7 @@ class Evaluation:
         expected = self._expected(steps)
         for result, image in held.items():
             image.expects = expected.get(result, frozenset())
-        with remembered():
+        with remember_finite():
             for step in steps:
                 images = {name: held[result] for name, result in step.inputs.items()}
                 for name, result in step.inputs.items():

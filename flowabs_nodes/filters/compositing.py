@@ -13,10 +13,10 @@ from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import validate
 from flowabs_nodes.simd.finite import refuse_non_finite
 from flowabs_nodes.simd.jit import inlined, kernel
-from flowabs_nodes.simd.lanes import same_floats
+from flowabs_nodes.simd.lanes import splat_floats
 from flowabs_nodes.simd.memory import load, store_quads, store_triples
-from flowabs_nodes.simd.pixelwise import doubt, doubtful, first_of, new_run, over_pixels, picture_of, run_of
-from flowabs_nodes.simd.premultiplied import rgba
+from flowabs_nodes.simd.pixelwise import any_nan, as_picture, as_run, empty_run, first_pixel, over_pixels, zero_or_nan
+from flowabs_nodes.simd.premultiplied import load_rgba
 
 InkColor = tuple[float, float, float, float]  # red, green, blue and opacity
 
@@ -65,33 +65,33 @@ def composite(
 def inked(pixels: Array, lines: Array, ink: InkColor, alpha: Array | None = None) -> Array:
     """Ink over a picture of (H, W, 3), or one of (H, W, 4) with its own alpha, which stays."""
     channels = pixels.shape[2]
-    drawing, there = run_of(lines), np.empty(0, np.float32) if alpha is None else run_of(alpha)
-    result = new_run(lines.size, channels)
-    if any(over_pixels(_composite, drawing.size, run_of(pixels, channels), channels, drawing, ink, there, result)):
+    drawing, there = as_run(lines), np.empty(0, np.float32) if alpha is None else as_run(alpha)
+    result = empty_run(lines.size, channels)
+    if any(over_pixels(_composite, drawing.size, as_run(pixels, channels), channels, drawing, ink, there, result)):
         for name, array in (("rgb", pixels), ("lines", lines), ("alpha", alpha)):
             if array is not None:
                 refuse_non_finite(name, array)
-    return picture_of(result, *pixels.shape)
+    return as_picture(result, *pixels.shape)
 
 
 @kernel
 def _composite(
     first: int, last: int, pixels: Any, channels: int, lines: Any, ink: InkColor, alpha: Any, result: Any
 ) -> Any:
-    total = same_floats(0.0)
+    total = splat_floats(0.0)
     for block in range(first, last):
-        i = first_of(block, lines.size)
-        r, g, b, a = rgba(pixels, channels, i)
+        i = first_pixel(block, lines.size)
+        r, g, b, a = load_rgba(pixels, channels, i)
         if alpha.size > 0:
             a = load(alpha, i)
         line = load(lines, i)
-        total = total + (doubt(r) + doubt(g) + doubt(b)) + (doubt(a) + doubt(line))
+        total = total + (zero_or_nan(r) + zero_or_nan(g) + zero_or_nan(b)) + (zero_or_nan(a) + zero_or_nan(line))
         r, g, b = over(r, g, b, a, line, ink)
         if channels == 4:
             store_quads(result, 4 * i, (r, g, b, a))
         else:
             store_triples(result, 3 * i, (r, g, b))
-    return doubtful(total)
+    return any_nan(total)
 
 
 @inlined

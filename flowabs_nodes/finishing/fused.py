@@ -13,12 +13,12 @@ from flowabs_nodes.filters.regions.quantize import Steps, middle
 from flowabs_nodes.finishing.operations import Operation, split
 from flowabs_nodes.simd.finite import refuse_non_finite
 from flowabs_nodes.simd.jit import inlined, kernel
-from flowabs_nodes.simd.known_finite import vouch
-from flowabs_nodes.simd.lanes import absolute, maximum, same_floats, select
-from flowabs_nodes.simd.matrix3 import Rows, second
+from flowabs_nodes.simd.known_finite import mark_finite
+from flowabs_nodes.simd.lanes import absolute, maximum, select, splat_floats
+from flowabs_nodes.simd.matrix3 import Rows, mix_second_row
 from flowabs_nodes.simd.memory import load, load_triples, store_quads, store_triples
-from flowabs_nodes.simd.pixelwise import doubt, doubtful, first_of, new_run, over_pixels, picture_of, run_of
-from flowabs_nodes.simd.premultiplied import covering, rgba, seen
+from flowabs_nodes.simd.pixelwise import any_nan, as_picture, as_run, empty_run, first_pixel, over_pixels, zero_or_nan
+from flowabs_nodes.simd.premultiplied import load_rgb_over_ground, load_rgba, premultiplied_over
 
 _NO_STEPS: Steps = (0.0, 0.0)
 _NO_INK: InkColor = (0.0, 0.0, 0.0, 0.0)
@@ -32,10 +32,10 @@ def finish(codes: Codes, operations: tuple[Operation, ...], colorspace: ColorSpa
     quantize, ink = split(operations)
     height, width, _ = codes.values.shape
     channels = 3 if codes.under is None else 4
-    run, below = run_of(codes.values, 3), NOTHING if codes.under is None else run_of(codes.under, 4)
-    lines, color = (NOTHING, _NO_INK) if ink is None else (run_of(ink.lines), (*ink.color, ink.opacity))
+    run, below = as_run(codes.values, 3), NOTHING if codes.under is None else as_run(codes.under, 4)
+    lines, color = (NOTHING, _NO_INK) if ink is None else (as_run(ink.lines), (*ink.color, ink.opacity))
     count = run.size // 3
-    pixels, backward = new_run(count, channels), matrices(codes.space, colorspace).backward
+    pixels, backward = empty_run(count, channels), matrices(codes.space, colorspace).backward
     if codes.space == "lab":
         steps = _NO_STEPS if quantize is None else (quantize.levels / 100, quantize.softness)
         bad = over_pixels(_finish_lab, count, run, backward, steps, below, lines, color, pixels)
@@ -43,18 +43,18 @@ def finish(codes: Codes, operations: tuple[Operation, ...], colorspace: ColorSpa
         bad = over_pixels(_finish_acescct, count, run, backward, below, lines, color, pixels)
     if any(bad):
         refuse_non_finite("codes", codes.values)
-    return vouch(picture_of(pixels, height, width, channels))
+    return mark_finite(as_picture(pixels, height, width, channels))
 
 
 def quantized(pixels: Array, levels: int, softness: float, colorspace: ColorSpace) -> Array:
     """Return a scene-linear picture, (H, W, 3) or premultiplied (H, W, 4), with L* quantised by a gain on RGB."""
     channels = pixels.shape[2]
-    run = run_of(pixels, channels)
+    run = as_run(pixels, channels)
     count = run.size // channels
-    flat, forward = new_run(count, channels), matrices("lab", colorspace).forward
+    flat, forward = empty_run(count, channels), matrices("lab", colorspace).forward
     if any(over_pixels(_quantize, count, run, channels, forward, (levels / 100, softness), flat)):
         refuse_non_finite("rgb", pixels)
-    return vouch(picture_of(flat, *pixels.shape))
+    return mark_finite(as_picture(flat, *pixels.shape))
 
 
 @kernel
@@ -62,17 +62,17 @@ def _finish_lab(
     first: int, last: int, codes: Any, from_xyz: Rows, steps: Steps, under: Any, lines: Any, ink: InkColor, pixels: Any
 ) -> Any:
     """Decode L*, a*, b*; quantise unless there are 0 steps per L*; then alpha and ink, where there are such runs."""
-    total, count = same_floats(0.0), codes.size // 3
+    total, count = splat_floats(0.0), codes.size // 3
     for block in range(first, last):
-        i = first_of(block, count)
+        i = first_pixel(block, count)
         lightness, a, b = load_triples(codes, 3 * i)
-        total = total + (doubt(lightness) + doubt(a) + doubt(b))
+        total = total + (zero_or_nan(lightness) + zero_or_nan(a) + zero_or_nan(b))
         r, g, b = lab.to_rgb(lightness, a, b, from_xyz)
         if steps[0] > 0:
             gain = _gain(lightness * (1 / lab.L), steps)
             r, g, b = r * gain, g * gain, b * gain
         _store_inked(r, g, b, under, lines, ink, pixels, i)
-    return doubtful(total)
+    return any_nan(total)
 
 
 @kernel
@@ -80,22 +80,22 @@ def _finish_acescct(
     first: int, last: int, codes: Any, from_ap1: Rows, under: Any, lines: Any, ink: InkColor, pixels: Any
 ) -> Any:
     """Decode ACEScct; then alpha and ink, where there are such runs."""
-    total, count = same_floats(0.0), codes.size // 3
+    total, count = splat_floats(0.0), codes.size // 3
     for block in range(first, last):
-        i = first_of(block, count)
+        i = first_pixel(block, count)
         r, g, b = load_triples(codes, 3 * i)
-        total = total + (doubt(r) + doubt(g) + doubt(b))
+        total = total + (zero_or_nan(r) + zero_or_nan(g) + zero_or_nan(b))
         r, g, b = acescct.to_rgb(r, g, b, from_ap1)
         _store_inked(r, g, b, under, lines, ink, pixels, i)
-    return doubtful(total)
+    return any_nan(total)
 
 
 @inlined
 def _store_inked(r: Any, g: Any, b: Any, under: Any, lines: Any, ink: InkColor, pixels: Any, i: int) -> None:
     """Write pixels with the alpha of the picture ``under`` them, if there is one, and ink where there are lines."""
-    a = same_floats(1.0)
+    a = splat_floats(1.0)
     if under.size > 0:
-        r, g, b, a = covering(r, g, b, under, i)
+        r, g, b, a = premultiplied_over(r, g, b, under, i)
     if lines.size > 0:
         r, g, b = over(r, g, b, a, load(lines, i), ink)
     if under.size > 0:
@@ -107,19 +107,19 @@ def _store_inked(r: Any, g: Any, b: Any, under: Any, lines: Any, ink: InkColor, 
 @kernel
 def _quantize(first: int, last: int, pixels: Any, channels: int, to_xyz: Rows, steps: Steps, flat: Any) -> Any:
     """Quantise a picture; alpha, and colours where it is 0, as they were."""
-    total, count = same_floats(0.0), pixels.size // channels
+    total, count = splat_floats(0.0), pixels.size // channels
     for block in range(first, last):
-        i = first_of(block, count)
-        r, g, b = seen(pixels, channels, BARE, i)
-        total = total + (doubt(r) + doubt(g) + doubt(b))
-        gain = _gain(lab.g_of(second(to_xyz, r, g, b)), steps)
-        r, g, b, a = rgba(pixels, channels, i)
-        gain = select(absolute(a) > 0.0, gain, same_floats(1.0))
+        i = first_pixel(block, count)
+        r, g, b = load_rgb_over_ground(pixels, channels, BARE, i)
+        total = total + (zero_or_nan(r) + zero_or_nan(g) + zero_or_nan(b))
+        gain = _gain(lab.g_of(mix_second_row(to_xyz, r, g, b)), steps)
+        r, g, b, a = load_rgba(pixels, channels, i)
+        gain = select(absolute(a) > 0.0, gain, splat_floats(1.0))
         if channels == 4:
             store_quads(flat, 4 * i, (r * gain, g * gain, b * gain, a))
         else:
             store_triples(flat, 3 * i, (r * gain, g * gain, b * gain))
-    return doubtful(total)
+    return any_nan(total)
 
 
 @inlined

@@ -17,16 +17,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from flowabs_nodes.sampling.coords import Frame, nearest
+from flowabs_nodes.sampling.coords import Raster, nearest_pixels
 from flowabs_nodes.simd.jit import inline
-from flowabs_nodes.simd.lanes import LANES, inlined, same_doubles, select, to_doubles
-from flowabs_nodes.simd.memory import load, load_pairs, pairs_at, scratch, soon_read, store
+from flowabs_nodes.simd.lanes import LANES, inlined, select, splat_doubles, to_doubles
+from flowabs_nodes.simd.memory import gather_pairs, load, load_pairs, prefetch, scratch, store
 
-TOGETHER = 8  # walks of sixteen pixels each
-ALL = TOGETHER * LANES
+BLOCKS = 8  # walks of sixteen pixels each
+BATCH = BLOCKS * LANES
 
 
-class Walks(NamedTuple):
+class Streamlines(NamedTuple):
     """Where the walks of 64 pixels of a row are, both ways.
 
     Walk k = 0, 2, 4, 6 goes along the tangents of sixteen pixels, k + 1 against them; at [16 k] is what is theirs.
@@ -40,63 +40,66 @@ class Walks(NamedTuple):
 
 
 @inline
-def new_walks() -> Walks:
-    return Walks(
-        scratch(np.int32, TOGETHER),
-        scratch(np.float64, TOGETHER),
-        scratch(np.float64, TOGETHER),
-        scratch(np.float32, TOGETHER),
-        scratch(np.float32, TOGETHER),
+def new_streamlines() -> Streamlines:
+    return Streamlines(
+        scratch(np.int32, BLOCKS),
+        scratch(np.float64, BLOCKS),
+        scratch(np.float64, BLOCKS),
+        scratch(np.float32, BLOCKS),
+        scratch(np.float32, BLOCKS),
     )
 
 
 @inlined
-def column(x0: int, at: int, frame: Frame) -> int:
+def block_column(x0: int, at: int, raster: Raster) -> int:
     """The first of the sixteen columns whose walk is at [at]; where the row ends, the last ones are walked twice."""
-    return min(x0 + at // (2 * LANES) * LANES, frame.stride - LANES)
+    return min(x0 + at // (2 * LANES) * LANES, raster.stride - LANES)
 
 
 @inlined
-def set_out(walks: Walks, flow: Any, x0: int, y: int, frame: Frame) -> None:
+def start(curves: Streamlines, flow: Any, x0: int, y: int, raster: Raster) -> None:
     """From the centres x0 .. x0 + 63 of row y. ``flow`` is complex64: a pair of floats for each pixel."""
-    for at in range(0, ALL, 2 * LANES):
-        tx, ty = load_pairs(flow, y * frame.stride + column(x0, at, frame))
-        _set_out(walks, at, tx, ty)
-        _set_out(walks, at + LANES, -tx, -ty)
+    for at in range(0, BATCH, 2 * LANES):
+        tx, ty = load_pairs(flow, y * raster.stride + block_column(x0, at, raster))
+        _set_out(curves, at, tx, ty)
+        _set_out(curves, at + LANES, -tx, -ty)
 
 
 @inlined
-def expect_tangents(flow: Any, x: int, y: int, below: int, frame: Frame) -> None:
+def prefetch_tangents(flow: Any, x: int, y: int, below: int, raster: Raster) -> None:
     """Have those fetched that walks will come to before long; ``below``: the first row that is not yet."""
-    pixel = min(y + below, frame.height - 1) * frame.stride + x
-    soon_read(flow, pixel)
-    soon_read(flow, pixel + LANES // 2)
+    pixel = min(y + below, raster.height - 1) * raster.stride + x
+    prefetch(flow, pixel)
+    prefetch(flow, pixel + LANES // 2)
 
 
 @inlined
-def _set_out(walks: Walks, at: int, tx: Any, ty: Any) -> None:
-    store(walks.dx, at, same_doubles(0.0))
-    store(walks.dy, at, same_doubles(0.0))
-    store(walks.tx, at, tx)
-    store(walks.ty, at, ty)
+def _set_out(curves: Streamlines, at: int, tx: Any, ty: Any) -> None:
+    store(curves.dx, at, splat_doubles(0.0))
+    store(curves.dy, at, splat_doubles(0.0))
+    store(curves.tx, at, tx)
+    store(curves.ty, at, ty)
 
 
 @inlined
-def advance(walks: Walks, at: int, x: int, y: int, frame: Frame) -> Any:
+def advance(curves: Streamlines, at: int, x: int, y: int, raster: Raster) -> Any:
     """z + t(z) for the sixteen walks at [at]; returns column and row of the pixels nearest to it."""
-    dx, dy = load(walks.dx, at) + to_doubles(load(walks.tx, at)), load(walks.dy, at) + to_doubles(load(walks.ty, at))
-    store(walks.dx, at, dx)
-    store(walks.dy, at, dy)
-    columns, rows = nearest(dx, dy, x, y, frame)
-    store(walks.pixel, at, rows * frame.stride + columns)
+    dx, dy = (
+        load(curves.dx, at) + to_doubles(load(curves.tx, at)),
+        load(curves.dy, at) + to_doubles(load(curves.ty, at)),
+    )
+    store(curves.dx, at, dx)
+    store(curves.dy, at, dy)
+    columns, rows = nearest_pixels(dx, dy, x, y, raster)
+    store(curves.pixel, at, rows * raster.stride + columns)
     return columns, rows
 
 
 @inlined
-def turn(walks: Walks, flow: Any) -> None:
+def turn(curves: Streamlines, flow: Any) -> None:
     """After a step of all the walks, before the next: the tangents at z, turned to go on the same way."""
-    for at in range(0, ALL, LANES):
-        tx, ty = pairs_at(flow, walks.pixel, at)
-        against = tx * load(walks.tx, at) < -(ty * load(walks.ty, at))  # right also where a sum would round
-        store(walks.tx, at, select(against, -tx, tx))
-        store(walks.ty, at, select(against, -ty, ty))
+    for at in range(0, BATCH, LANES):
+        tx, ty = gather_pairs(flow, curves.pixel, at)
+        against = tx * load(curves.tx, at) < -(ty * load(curves.ty, at))  # right also where a sum would round
+        store(curves.tx, at, select(against, -tx, tx))
+        store(curves.ty, at, select(against, -ty, ty))

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from flowabs_nodes.sampling.tile_cache import COLUMNS, Tile, place
+from flowabs_nodes.sampling.tile_cache import COLUMNS, Tile, tile_offset
 from flowabs_nodes.simd.jit import inline
-from flowabs_nodes.simd.lanes import LANES, inlined, lane_numbers, same_ints, select, to_floats, to_ints
+from flowabs_nodes.simd.lanes import LANES, inlined, lane_indices, select, splat_ints, to_floats, to_ints
 from flowabs_nodes.simd.memory import load, scratch, store
 
 BLOCKS = COLUMNS // LANES
@@ -24,7 +24,7 @@ _ONE = 1 << _POINT
 _STEPS = 4  # from one pixel to be measured from to the next: offsets of up to 2 + 4 * 1.25 are less than 8
 
 
-class Walks(NamedTuple):
+class TiledStreamlines(NamedTuple):
     """Where the walks of a row of a tile are, in scratch memory of WALKS vectors each."""
 
     x: Any  # the pixel that offsets are measured from
@@ -38,8 +38,8 @@ class Walks(NamedTuple):
 
 
 @inline
-def new_walks() -> Walks:
-    return Walks(
+def new_tiled_streamlines() -> TiledStreamlines:
+    return TiledStreamlines(
         scratch(np.int32, WALKS),
         scratch(np.int32, WALKS),
         scratch(np.int32, WALKS),
@@ -52,39 +52,39 @@ def new_walks() -> Walks:
 
 
 @inlined
-def set_out(walks: Walks, k: int, x: int, y: int, tx: Any, ty: Any) -> None:
+def start(curves: TiledStreamlines, k: int, x: int, y: int, tx: Any, ty: Any) -> None:
     """From the centres x .. x + 15 of row y, along these tangents."""
-    store(walks.x, k, lane_numbers() + x)
-    store(walks.y, k, same_ints(y))
-    store(walks.dx, k, same_ints(0))
-    store(walks.dy, k, same_ints(0))
-    store(walks.tx, k, tx)
-    store(walks.ty, k, ty)
+    store(curves.x, k, lane_indices() + x)
+    store(curves.y, k, splat_ints(y))
+    store(curves.dx, k, splat_ints(0))
+    store(curves.dy, k, splat_ints(0))
+    store(curves.tx, k, tx)
+    store(curves.ty, k, ty)
 
 
 @inlined
-def advance(walks: Walks, k: int, s: int, tile: Tile, size: int) -> None:
+def advance(curves: TiledStreamlines, k: int, s: int, tile: Tile, size: int) -> None:
     """The s-th step, z + t(z). ``size``, 1 or 2: of what there is to read at the nearest pixel, in pairs of floats."""
-    x, dx = _moved(walks.x, walks.dx, walks.tx, k, s)
-    y, dy = _moved(walks.y, walks.dy, walks.ty, k, s)
+    x, dx = _moved(curves.x, curves.dx, curves.tx, k, s)
+    y, dy = _moved(curves.y, curves.dy, curves.ty, k, s)
     columns, rows = dx >> _POINT, dy >> _POINT
-    corner = place(x + columns, y + rows, tile)
-    store(walks.corner, k, corner)
+    corner = tile_offset(x + columns, y + rows, tile)
+    store(curves.corner, k, corner)
     nearest = select(_past_half(dx, columns), corner + 1, corner)
     nearest = select(_past_half(dy, rows), nearest + tile.stride, nearest)
-    store(walks.nearest, k, nearest * size)
+    store(curves.nearest, k, nearest * size)
 
 
 @inlined
-def turn(walks: Walks, k: int, tx: Any, ty: Any) -> None:
+def turn(curves: TiledStreamlines, k: int, tx: Any, ty: Any) -> None:
     """t(z) is this tangent, turned round when it disagrees with the last step."""
-    against = tx * load(walks.tx, k) < -(ty * load(walks.ty, k))  # right also where float32 sums would round
-    store(walks.tx, k, select(against, -tx, tx))
-    store(walks.ty, k, select(against, -ty, ty))
+    against = tx * load(curves.tx, k) < -(ty * load(curves.ty, k))  # right also where float32 sums would round
+    store(curves.tx, k, select(against, -tx, tx))
+    store(curves.ty, k, select(against, -ty, ty))
 
 
 @inlined
-def beyond(d: Any) -> Any:
+def fraction_beyond(d: Any) -> Any:
     """How far z is from its corner in this direction, 0..1."""
     return to_floats(d & (_ONE - 1)) * (1.0 / _ONE)
 

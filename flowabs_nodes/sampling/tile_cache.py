@@ -5,10 +5,10 @@ small piece of memory first, tile by tile, for two reasons. It stays in the cach
 do not. And records can be put together there that one load brings whole, once for each place that is read:
 
 - a *lattice* is a plane as pairs (value, how much more it is a row below): two neighbouring pairs, one load of 128
-  bits, are all that is needed to read bilinearly between four pixels (:func:`between`);
+  bits, are all that is needed to read bilinearly between four pixels (:func:`sample_lattice`);
 - *records* are a tangent and the values of two planes.
 
-Around the picture its border is repeated once, so that a place needs no care except that it is clamped (:func:`place`).
+Around the picture its border is repeated once: a place needs no care but to be clamped (:func:`tile_offset`).
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from flowabs_nodes.array_types import Array
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.border import repeat_left, repeat_right
 from flowabs_nodes.simd.lanes import LANES, absolute, any_lane, inlined, maximum, minimum
-from flowabs_nodes.simd.memory import load, load_pairs, quads_at, store_pairs, store_quads
+from flowabs_nodes.simd.memory import gather_quads, load, load_pairs, store_pairs, store_quads
 
 ROWS, COLUMNS = 64, 128
 LONGEST = 1.25  # component of a tangent that is still about a unit vector
 
 
-class Shape(NamedTuple):
+class PlanesShape(NamedTuple):
     """Of some planes, which kernels see in one dimension."""
 
     channels: int
@@ -55,15 +55,15 @@ def over_tiles(kernel: Any, planes: Array, flow: Array, weights: npt.NDArray[np.
     as complex numbers, and returns whether none was.
     """
     width = planes.shape[2]
-    planes, flow = widened(planes, 2), widened(flow, 1)
+    planes, flow = pad_width(planes, 2), pad_width(flow, 1)
     result = np.empty_like(planes)
-    pictures = planes.reshape(-1), Shape(*planes.shape), flow.reshape(-1).view(np.complex64)
+    pictures = planes.reshape(-1), PlanesShape(*planes.shape), flow.reshape(-1).view(np.complex64)
     weights = weights.astype(np.float32)
     fits = over_rows(kernel, planes.shape[1], *pictures, weights, result.reshape(-1), least=ROWS)
     return np.ascontiguousarray(result[..., :width]) if all(fits) else None
 
 
-def widened(planes: Array, axis: int) -> Array:
+def pad_width(planes: Array, axis: int) -> Array:
     """Planes at least 16 pixels wide, the border repeated: walks out there read what they would read at the border."""
     missing = LANES - planes.shape[axis]
     if missing <= 0:
@@ -78,14 +78,14 @@ def reach(steps: Any) -> Any:
 
 
 @inlined
-def room(steps: int, rows: int, width: int, height: int) -> Any:
+def tile_capacity(steps: int, rows: int, width: int, height: int) -> Any:
     """How much memory the largest tile needs, of a band of so many rows of a picture."""
     high = min(min(ROWS, rows) + 2 * reach(steps), height) + 3
     return high * (min(COLUMNS + 2 * reach(steps), width) + 3 * LANES)
 
 
 @inlined
-def tile(x: int, y: int, x_end: int, y_end: int, steps: int, width: int, height: int) -> Tile:
+def tile_around(x: int, y: int, x_end: int, y_end: int, steps: int, width: int, height: int) -> Tile:
     """What can be reached from the columns x .. x_end - 1 and rows y .. y_end - 1."""
     far = reach(steps)
     left, right = max(min(x, width - LANES) - far, -1), min(x_end + far, width - 1)
@@ -93,16 +93,16 @@ def tile(x: int, y: int, x_end: int, y_end: int, steps: int, width: int, height:
 
 
 @inlined
-def place(x: Any, y: Any, tile: Tile) -> Any:
+def tile_offset(x: Any, y: Any, tile: Tile) -> Any:
     """Where in the tile pixels are."""
     row, column = minimum(maximum(y, tile.top), tile.bottom), minimum(maximum(x, tile.left), tile.right)
     return (row * tile.stride + column) - (tile.top * tile.stride + tile.left)
 
 
 @inlined
-def between(lattice: Any, places: Any, k: int, u: Any, v: Any) -> Any:
+def sample_lattice(lattice: Any, places: Any, k: int, u: Any, v: Any) -> Any:
     """Read bilinearly u pixels to the right of places[k .. k + 15] and v below."""
-    here, change, right, right_change = quads_at(lattice, places, k)
+    here, change, right, right_change = gather_quads(lattice, places, k)
     here, right = here + v * change, right + v * right_change
     return here + u * (right - here)
 
@@ -129,7 +129,7 @@ def fill_tangents(tangents: Any, flow: Any, tile: Tile) -> bool:
         for x0 in range(max(tile.left, 0), min(tile.right + 2, tile.width), LANES):
             x = min(x0, tile.width - LANES)
             tx, ty = load_pairs(flow, row + x)
-            fits = fits and short(tx, ty)
+            fits = fits and is_short(tx, ty)
             store_pairs(tangents, to + x, (tx, ty))
         _repeat_border(tangents, to, tile, 1)
     return fits
@@ -144,7 +144,7 @@ def fill_records(records: Any, flow: Any, planes: Any, starts: tuple[int, int], 
         for x0 in range(max(tile.left, 0), min(tile.right + 2, tile.width), LANES):
             x = min(x0, tile.width - LANES)
             tx, ty = load_pairs(flow, row + x)
-            fits = fits and short(tx, ty)
+            fits = fits and is_short(tx, ty)
             store_quads(
                 records, to + 2 * x, (tx, ty, load(planes, starts[0] + row + x), load(planes, starts[1] + row + x))
             )
@@ -153,7 +153,7 @@ def fill_records(records: Any, flow: Any, planes: Any, starts: tuple[int, int], 
 
 
 @inlined
-def short(tx: Any, ty: Any) -> bool:
+def is_short(tx: Any, ty: Any) -> bool:
     return not any_lane(maximum(absolute(tx), absolute(ty)) > LONGEST)
 
 

@@ -36,16 +36,16 @@ if PATH == "avx512":
 
     #: x - floor(x), and x 2^floor(y).
     fraction = operation([floats], floats, lambda b, x: _reduce(b, x, _I32(1), _nothing, _ALL, _DEFAULT))
-    times_exp2_of_floor = operation([floats, floats], floats, lambda b, x, y: _scale(b, x, y, _nothing, _ALL, _DEFAULT))
+    scale_by_exp2_floor = operation([floats, floats], floats, lambda b, x, y: _scale(b, x, y, _nothing, _ALL, _DEFAULT))
     #: table[i & 15] for each i.
-    look_up = operation([ints, ints], ints, lambda b, table, i: _permute(b, table, i))
+    table_lookup = operation([ints, ints], ints, lambda b, table, i: _permute(b, table, i))
     #: 1 / sqrt(x), to 2^-13 of it.
     _inverse_root = llvm_function("llvm.x86.avx512.rsqrt14.ps.512", _F, _F, _F, _16)
-    rough_inverse_root = operation([floats], floats, lambda b, x: _inverse_root(b, x, _nothing, _ALL))
+    approximate_rsqrt = operation([floats], floats, lambda b, x: _inverse_root(b, x, _nothing, _ALL))
 else:
 
     @inlined
-    def rough_inverse_root(x: Any) -> Any:
+    def approximate_rsqrt(x: Any) -> Any:
         return 1.0 / sqrt(x)
 
     @inlined
@@ -53,11 +53,11 @@ else:
         return x - floor(x)
 
     @inlined
-    def times_exp2_of_floor(x: Any, y: Any) -> Any:
+    def scale_by_exp2_floor(x: Any, y: Any) -> Any:
         return x * from_bits((to_ints(floor(y)) + 127) << 23)
 
     @intrinsic
-    def look_up(typingctx: Any, table: Any, indices: Any) -> Any:
+    def table_lookup(typingctx: Any, table: Any, indices: Any) -> Any:
         """table[i & 15] for each i."""
 
         def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:

@@ -22,14 +22,14 @@ _BANDS = 8  # for each thread: some end later than others
 _limit: ContextVar[int | None] = ContextVar("flowabs_threads", default=None)
 
 
-def count() -> int:
+def thread_count() -> int:
     """How many threads a kernel uses: the limit in force, or else all."""
     limit = _limit.get()
-    return every() if limit is None else limit
+    return available_threads() if limit is None else limit
 
 
 @cache
-def every() -> int:
+def available_threads() -> int:
     """``NUMBA_NUM_THREADS`` of the environment, or else the processors that this process may use."""
     given = os.environ.get("NUMBA_NUM_THREADS", "")
     if given.isdecimal() and int(given) > 0:
@@ -80,7 +80,7 @@ def over_rows(kernel: Callable[..., Any], height: int, *arguments: Any, least: i
     Bands have ``least`` rows or more. Returns what the kernel returned, in the order of the bands; how many there are
     depends on the number of threads, so only what does not care (a maximum, a count) may be made of it.
     """
-    threads = count()
+    threads = thread_count()
     bands = 1 if threads == 1 else max(1, min(_BANDS * threads, height // least))
     edges = [height * band // bands for band in range(bands + 1)]
     results: list[Any] = [None] * bands

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from flowabs_nodes.simd.avx512 import fraction, times_exp2_of_floor
+from flowabs_nodes.simd.avx512 import fraction, scale_by_exp2_floor
 from flowabs_nodes.simd.lanes import bits_of, floor, from_bits, inlined, maximum, minimum, rint, to_floats, to_ints
 
 LOG2_E = 1.4426950408889634  # e^x = 2^(LOG2_E x)
@@ -76,4 +76,4 @@ def exp2_weight(x: Any) -> Any:
     p = p * t + 0.24144276
     p = p * t + 0.69300383
     p = p * t + 1.0000026
-    return times_exp2_of_floor(p, x)
+    return scale_by_exp2_floor(p, x)

@@ -9,15 +9,15 @@ import numpy as np
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.simd.jit import kernel
-from flowabs_nodes.simd.known_finite import is_vouched, vouch
-from flowabs_nodes.simd.lanes import LANES, same_floats
+from flowabs_nodes.simd.known_finite import is_marked_finite, mark_finite
+from flowabs_nodes.simd.lanes import LANES, splat_floats
 from flowabs_nodes.simd.memory import load
-from flowabs_nodes.simd.pixelwise import doubt, doubtful, first_of, over_pixels
+from flowabs_nodes.simd.pixelwise import any_nan, first_pixel, over_pixels, zero_or_nan
 
 
 def is_finite(array: Array) -> bool:
     """Whether no number of a C-contiguous float32 array is NaN or Inf; in the engine each is looked at once."""
-    if is_vouched(array):
+    if is_marked_finite(array):
         return True
     if array.size < LANES:
         found = bool(np.isfinite(array).all())
@@ -25,7 +25,7 @@ def is_finite(array: Array) -> bool:
         run = array.reshape(-1)
         found = not any(over_pixels(_not_finite, run.size, run))
     if found:
-        vouch(array)
+        mark_finite(array)
     return found
 
 
@@ -38,7 +38,7 @@ def refuse_non_finite(name: str, array: Array) -> None:
 
 @kernel
 def _not_finite(first: int, last: int, numbers: Any) -> Any:
-    total = same_floats(0.0)
+    total = splat_floats(0.0)
     for block in range(first, last):
-        total = total + doubt(load(numbers, first_of(block, numbers.size)))
-    return doubtful(total)
+        total = total + zero_or_nan(load(numbers, first_pixel(block, numbers.size)))
+    return any_nan(total)

@@ -1,7 +1,7 @@
 """Arrays that are known to hold nothing but finite numbers.
 
 Filters take arrays of any origin and look at every number first. In the engine one picture goes through many filters:
-inside of :func:`remembered`, an array that was found finite, or that a kernel vouches for, is not looked at again.
+inside of :func:`remember_finite`, an array that was found finite, or that a kernel vouches for, is not looked at again.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _known: ContextVar[WeakValueDictionary[int, Array] | None] = ContextVar("flowabs
 
 
 @contextmanager
-def remembered() -> Iterator[None]:
+def remember_finite() -> Iterator[None]:
     """Inside, no array is looked at twice, so none may be changed."""
     token = _known.set(WeakValueDictionary())
     try:
@@ -29,7 +29,7 @@ def remembered() -> Iterator[None]:
         _known.reset(token)
 
 
-def vouch(array: Array) -> Array:
+def mark_finite(array: Array) -> Array:
     """``array``, which is finite for certain."""
     known = _known.get()
     if known is not None:
@@ -39,7 +39,7 @@ def vouch(array: Array) -> Array:
     return array
 
 
-def is_vouched(array: Array) -> bool:
+def is_marked_finite(array: Array) -> bool:
     """Whether the array, or the one whose memory it shows, is known to be finite."""
     known = _known.get()
     return known is not None and any(known.get(id(each)) is each for each in (array, _owner(array)))

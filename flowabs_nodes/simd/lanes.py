@@ -54,7 +54,7 @@ class _Model(models.PrimitiveModel):  # type: ignore[misc]
         super().__init__(manager, fe_type, fe_type.llvm)
 
 
-def _same(builder: Any, scalar: Any) -> Any:
+def _splat(builder: Any, scalar: Any) -> Any:
     """``scalar`` in all lanes."""
     one = builder.insert_element(ir.Constant(ir.VectorType(scalar.type, LANES), ir.Undefined), scalar, _I32(0))
     return builder.shuffle_vector(one, one, ir.Constant(_INTS, [0] * LANES))
@@ -66,14 +66,14 @@ def constant(vector: Any, value: float) -> Any:
 
 @lower_cast(types.Number, Vector)
 def _from_number(context: Any, builder: Any, fromty: Any, toty: Any, value: Any) -> Any:
-    return _same(builder, context.cast(builder, value, fromty, toty.element))
+    return _splat(builder, context.cast(builder, value, fromty, toty.element))
 
 
 def shuffled(builder: Any, x: Any, y: Any, lanes: Sequence[int]) -> Any:
     return builder.shuffle_vector(x, y, ir.Constant(ir.VectorType(_I32, len(lanes)), list(lanes)))
 
 
-def joined(builder: Any, x: Any, y: Any) -> Any:
+def concatenated(builder: Any, x: Any, y: Any) -> Any:
     return shuffled(builder, x, y, range(2 * x.type.count))
 
 
@@ -194,11 +194,11 @@ from_doubles = operation([doubles], floats, lambda b, x: b.fptrunc(x, _FLOATS))
 #: The same bits as another kind.
 bits_of = operation([floats], ints, lambda b, x: b.bitcast(x, _INTS))
 from_bits = operation([ints], floats, lambda b, x: b.bitcast(x, _FLOATS))
-same_floats = operation([floats], floats, lambda b, x: x)
-same_doubles = operation([doubles], doubles, lambda b, x: x)
-same_ints = operation([ints], ints, lambda b, x: x)
+splat_floats = operation([floats], floats, lambda b, x: x)
+splat_doubles = operation([doubles], doubles, lambda b, x: x)
+splat_ints = operation([ints], ints, lambda b, x: x)
 #: Sixteen whole numbers 0, 1 .. 15.
-lane_numbers = operation([], ints, lambda b: ir.Constant(_INTS, list(range(LANES))))
+lane_indices = operation([], ints, lambda b: ir.Constant(_INTS, list(range(LANES))))
 #: Whether any lane is set.
 any_lane = operation(
     [masks], types.boolean, lambda b, x: b.icmp_unsigned("!=", b.bitcast(x, ir.IntType(16)), ir.IntType(16)(0))
@@ -226,7 +226,7 @@ def to_ints(typingctx: Any, x: Any) -> Any:
 
 
 @intrinsic
-def nearest_ints(typingctx: Any, x: Any) -> Any:
+def round_to_ints(typingctx: Any, x: Any) -> Any:
     """Doubles to the nearest whole numbers, half to even; modulo 2^32 if they are below 2^51."""
 
     def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:

@@ -38,7 +38,7 @@ def mix(m: Rows, r: Any, g: Any, b: Any) -> Any:
 
 
 @inlined
-def second(m: Rows, r: Any, g: Any, b: Any) -> Any:
+def mix_second_row(m: Rows, r: Any, g: Any, b: Any) -> Any:
     """The second number of :func:`mix`."""
     r, g, b = to_doubles(r), to_doubles(g), to_doubles(b)
     return from_doubles(g + (m[2] * (r - g) + m[3] * (b - g)))

@@ -5,7 +5,7 @@ neighbouring floats, and shuffling these into vectors beats the processors' own 
 addresses are best passed through memory, since taking them out of a vector one by one costs more than the loads.
 
 What is worked out for one sixteen pixels after the other waits for loads; what goes through :func:`scratch`, a step for
-many pixels and then the next step, does not (:func:`pairs_at`, :func:`quads_at`).
+many pixels and then the next step, does not (:func:`gather_pairs`, :func:`gather_quads`).
 
 Arrays are one-dimensional float32, float64 or int32, or complex64 for pairs of floats; places in them count items, and
 nothing is checked: whoever asks for sixteen floats from ``i`` on sees to it that they are there.
@@ -21,13 +21,13 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic, models, register_model
 
-from flowabs_nodes.simd.lanes import LANES, LOW, doubles, floats, ints, joined, shuffled
+from flowabs_nodes.simd.lanes import LANES, LOW, concatenated, doubles, floats, ints, shuffled
 
 _I32, _I64, _F32, _F64 = ir.IntType(32), ir.IntType(64), ir.FloatType(), ir.DoubleType()
 
 
-def _place(context: Any, builder: Any, array_type: Any, array: Any, i: Any, pointee: Any) -> Any:
-    data = array if isinstance(array_type, Memory) else context.make_array(array_type)(context, builder, array).data
+def _address(context: Any, builder: Any, array_type: Any, array: Any, i: Any, pointee: Any) -> Any:
+    data = array if isinstance(array_type, Scratch) else context.make_array(array_type)(context, builder, array).data
     i = builder.sext(i, _I64) if i.type.width < 64 else i
     return builder.bitcast(builder.gep(data, [i]), pointee.as_pointer())
 
@@ -47,7 +47,9 @@ def load(typingctx: Any, array: Any, i: Any) -> Any:
     kind = _kind_of(array)
 
     def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
-        return _aligned_to_a_float(builder.load(_place(context, builder, sig.args[0], values[0], values[1], kind.llvm)))
+        return _aligned_to_a_float(
+            builder.load(_address(context, builder, sig.args[0], values[0], values[1], kind.llvm))
+        )
 
     return kind(array, i), generate
 
@@ -59,14 +61,14 @@ def store(typingctx: Any, array: Any, i: Any, vector: Any) -> Any:
 
     def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
         to, i, vector = values
-        place = _place(context, builder, sig.args[0], to, i, kind.llvm)
+        place = _address(context, builder, sig.args[0], to, i, kind.llvm)
         _aligned_to_a_float(builder.store(vector, place))
         return context.get_dummy_value()
 
     return types.void(array, i, kind), generate
 
 
-class Memory(types.Type):  # type: ignore[misc]
+class Scratch(types.Type):  # type: ignore[misc]
     """The numba type of :func:`scratch` memory: of an array only where it begins, which compiles faster."""
 
     def __init__(self, dtype: Any) -> None:
@@ -74,8 +76,8 @@ class Memory(types.Type):  # type: ignore[misc]
         self.dtype = dtype
 
 
-@register_model(Memory)
-class _MemoryModel(models.PrimitiveModel):  # type: ignore[misc]
+@register_model(Scratch)
+class _ScratchModel(models.PrimitiveModel):  # type: ignore[misc]
     def __init__(self, manager: Any, fe_type: Any) -> None:
         super().__init__(manager, fe_type, manager.lookup(fe_type.dtype).get_value_type().as_pointer())
 
@@ -92,14 +94,14 @@ def scratch(typingctx: Any, dtype: Any, count: Any) -> Any:
         memory.align = 64
         return builder.bitcast(memory, pointer)
 
-    return Memory(dtype.dtype)(dtype, count), generate
+    return Scratch(dtype.dtype)(dtype, count), generate
 
 
 def _prefetcher(to_write: bool) -> Any:
     def declare(typingctx: Any, array: Any, i: Any) -> Any:
         def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
             byte = ir.IntType(8).as_pointer()
-            place = _place(context, builder, sig.args[0], values[0], values[1], ir.IntType(8))
+            place = _address(context, builder, sig.args[0], values[0], values[1], ir.IntType(8))
             prefetch = ir.FunctionType(ir.VoidType(), [byte, _I32, _I32, _I32])
             function = cgutils.get_or_insert_function(builder.module, prefetch, "llvm.prefetch.p0i8")
             builder.call(function, [place, _I32(int(to_write)), _I32(3), _I32(1)])
@@ -111,7 +113,7 @@ def _prefetcher(to_write: bool) -> Any:
 
 
 #: Have the line of memory of array[i] fetched that is read, or written, before long. Any i will do.
-soon_read, soon_written = _prefetcher(False), _prefetcher(True)
+prefetch, prefetch_for_write = _prefetcher(False), _prefetcher(True)
 
 
 def _addresses(builder: Any, indices: Any) -> list[Any]:
@@ -130,7 +132,7 @@ def _addresses(builder: Any, indices: Any) -> list[Any]:
 def _records(context: Any, builder: Any, sig: Any, values: Any, record: Any) -> list[Any]:
     """The record at array[i] for each of sixteen i in memory."""
     data = context.make_array(sig.args[0])(context, builder, values[0]).data
-    indices = _place(context, builder, sig.args[1], values[1], values[2], ints.llvm)
+    indices = _address(context, builder, sig.args[1], values[1], values[2], ints.llvm)
     return [
         _aligned_to_a_float(builder.load(builder.bitcast(builder.gep(data, [i]), record.as_pointer())))
         for i in _addresses(builder, indices)
@@ -150,7 +152,7 @@ def _pairs(context: Any, builder: Any, sig: Any, values: Any) -> Any:
 
 
 @intrinsic
-def pairs_at(typingctx: Any, array: Any, places: Any, k: Any) -> Any:
+def gather_pairs(typingctx: Any, array: Any, places: Any, k: Any) -> Any:
     """(array[i], array[i + 1]) for each i in places[k .. k + 15], as two vectors."""
     return types.UniTuple(floats, 2)(array, places, k), _pairs
 
@@ -159,7 +161,9 @@ def _quads(context: Any, builder: Any, sig: Any, values: Any) -> Any:
     read = _records(context, builder, sig, values, ir.VectorType(_F32, 4))
     # Four vectors with records k, k + 4, k + 8, k + 12 each, then a 4 x 4 transpose in each quarter.
     rows = [
-        joined(builder, joined(builder, read[k], read[k + 4]), joined(builder, read[k + 8], read[k + 12]))
+        concatenated(
+            builder, concatenated(builder, read[k], read[k + 4]), concatenated(builder, read[k + 8], read[k + 12])
+        )
         for k in range(4)
     ]
     return context.make_tuple(builder, sig.return_type, _transposed(builder, rows))
@@ -179,19 +183,19 @@ def _transposed(builder: Any, rows: Sequence[Any]) -> list[Any]:
 
 
 @intrinsic
-def quads_at(typingctx: Any, array: Any, places: Any, k: Any) -> Any:
+def gather_quads(typingctx: Any, array: Any, places: Any, k: Any) -> Any:
     """(array[i], array[i + 1], array[i + 2], array[i + 3]) for each i in places[k .. k + 15], as four vectors."""
     return types.UniTuple(floats, 4)(array, places, k), _quads
 
 
 @intrinsic
-def octets_at(typingctx: Any, array: Any, places: Any, k: Any) -> Any:
+def gather_octets(typingctx: Any, array: Any, places: Any, k: Any) -> Any:
     """(array[i], array[i + 1] .. array[i + 7]) for each i in places[k .. k + 15], as eight vectors."""
 
     def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
         read = _records(context, builder, sig, values, ir.VectorType(_F32, 8))
         # A quarter of a vector is half a record: k, k, k + 4, k + 4. Four vectors are transposed in each quarter.
-        rows = [joined(builder, read[k], read[k + 4]) for k in (0, 1, 2, 3, 8, 9, 10, 11)]
+        rows = [concatenated(builder, read[k], read[k + 4]) for k in (0, 1, 2, 3, 8, 9, 10, 11)]
         low, high = _transposed(builder, rows[:4]), _transposed(builder, rows[4:])
         halves = [
             [
@@ -215,7 +219,7 @@ def _interleaved(size: int) -> tuple[Any, Any]:
         def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
             all_of_them = ir.VectorType(_F32, LANES * size)
             every = _aligned_to_a_float(
-                builder.load(_place(context, builder, sig.args[0], values[0], values[1], all_of_them))
+                builder.load(_address(context, builder, sig.args[0], values[0], values[1], all_of_them))
             )
             return context.make_tuple(
                 builder,
@@ -233,11 +237,11 @@ def _interleaved(size: int) -> tuple[Any, Any]:
             parts = cgutils.unpack_tuple(builder, values[2])
             parts += [parts[-1]] * (size % 2)
             while len(parts) > 1:
-                parts = [joined(builder, x, y) for x, y in zip(parts[::2], parts[1::2], strict=True)]
+                parts = [concatenated(builder, x, y) for x, y in zip(parts[::2], parts[1::2], strict=True)]
             lanes = [part * LANES + lane for lane in range(LANES) for part in range(size)]
             every = shuffled(builder, parts[0], parts[0], lanes)
             _aligned_to_a_float(
-                builder.store(every, _place(context, builder, sig.args[0], values[0], values[1], every.type))
+                builder.store(every, _address(context, builder, sig.args[0], values[0], values[1], every.type))
             )
             return context.get_dummy_value()
 

@@ -19,18 +19,18 @@ from flowabs_nodes.simd.lanes import LANES, any_lane, bits_of
 _LEAST = 256  # blocks in a band
 
 
-def run_of(picture: Array, channels: int = 1) -> Array:
+def as_run(picture: Array, channels: int = 1) -> Array:
     """All numbers of a picture, (pixels x channels,); a picture of fewer than sixteen pixels is repeated."""
     run = picture.reshape(-1)
     return run if run.size >= LANES * channels else np.resize(run, LANES * channels)
 
 
-def new_run(pixels: int, channels: int = 1) -> Array:
-    """As :func:`run_of`, not filled."""
+def empty_run(pixels: int, channels: int = 1) -> Array:
+    """As :func:`as_run`, not filled."""
     return np.empty(max(pixels, LANES) * channels, np.float32)
 
 
-def picture_of(run: Array, *shape: int) -> Array:
+def as_picture(run: Array, *shape: int) -> Array:
     """A run as a picture again."""
     size = int(np.prod(shape))
     return run[:size].reshape(shape) if run.size > size else run.reshape(shape)
@@ -42,18 +42,18 @@ def over_pixels(kernel: Callable[..., Any], pixels: int, *arguments: Any) -> lis
 
 
 @inlined
-def first_of(block: int, pixels: int) -> int:
+def first_pixel(block: int, pixels: int) -> int:
     """The first of a block's sixteen pixels."""
     return min(LANES * block, pixels - LANES)
 
 
 @inlined
-def doubt(x: Any) -> Any:
+def zero_or_nan(x: Any) -> Any:
     """0 for a finite number, else NaN: sums of it stay NaN."""
     return x - x
 
 
 @inlined
-def doubtful(x: Any) -> Any:
+def any_nan(x: Any) -> Any:
     """Whether any lane is NaN, of a vector whose others are 0."""
     return any_lane((bits_of(x) & 0x7FFFFFFF) > 0)

@@ -9,8 +9,8 @@ import numpy.typing as npt
 import pytest
 from numba import njit
 
-from flowabs_nodes.sampling.chain_code import MOST_STEPS, follow, written_walks
-from flowabs_nodes.sampling.coords import Frame, frame_of, padded
+from flowabs_nodes.sampling.chain_code import MOST_STEPS, decode_offsets, encode_streamlines
+from flowabs_nodes.sampling.coords import Raster, padded_rows, raster_of
 from flowabs_nodes.simd.lanes import LANES
 from flowabs_nodes.simd.memory import load, scratch, store
 from tests.filters.flows import cases, random_flow
@@ -26,27 +26,27 @@ FLOWS = {
 
 
 @njit
-def _places(moves: Any, steps: int, frame: Frame, size: int, out: Any) -> None:
+def _places(moves: Any, steps: int, frame: Raster, size: int, out: Any) -> None:
     """Of all steps and ways."""
     kept, pixels = scratch(np.int32, 33), frame.height * frame.stride
     for y in range(frame.height):
         for x0 in range(0, frame.stride, LANES):
             x = min(x0, frame.stride - LANES)
-            follow(moves, steps, x, y, frame, size, kept, LANES)
+            decode_offsets(moves, steps, x, y, frame, size, kept, LANES)
             for k in range(2 * steps):
                 store(out, k * pixels + y * frame.stride + x, load(kept, (k + 1) * LANES))
 
 
 def written(flow: npt.NDArray[np.float32], steps: int) -> npt.NDArray[np.int32] | None:
-    frame = frame_of(flow)
-    return written_walks(padded(flow, frame).view(np.complex64), steps, frame)
+    frame = raster_of(flow)
+    return encode_streamlines(padded_rows(flow, frame).view(np.complex64), steps, frame)
 
 
 @pytest.mark.parametrize("steps", [1, 6, 8, 9, MOST_STEPS])
 @pytest.mark.parametrize("name", FLOWS)
 def test_moves_lead_to_the_pixels_of_the_walk(name: str, steps: int) -> None:
     flow, size = FLOWS[name], 3
-    frame = frame_of(flow)
+    frame = raster_of(flow)
     places = np.zeros((steps, 2, frame.height, frame.stride), np.int32)
     moves = written(flow, steps)
     assert moves is not None

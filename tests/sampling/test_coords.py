@@ -9,7 +9,7 @@ import numpy.typing as npt
 import pytest
 from numba import njit
 
-from flowabs_nodes.sampling.coords import Frame, between, frame_of, nearest, padded
+from flowabs_nodes.sampling.coords import Raster, bilinear_coords, nearest_pixels, padded_rows, raster_of
 from flowabs_nodes.simd.lanes import LANES
 from flowabs_nodes.simd.memory import load, store
 from tests.naive.walk import READ
@@ -18,14 +18,14 @@ SHAPES = [(9, 40), (1, 16), (6, 5), (5, 1), (1, 1)]
 
 
 @njit(error_model="numpy")
-def _find(dx: Any, dy: Any, frame: Frame, pixel: Any, corner: Any, fx: Any, fy: Any) -> None:
+def _find(dx: Any, dy: Any, frame: Raster, pixel: Any, corner: Any, fx: Any, fy: Any) -> None:
     for y in range(frame.height):
         for x0 in range(0, frame.stride, LANES):
             x = min(x0, frame.stride - LANES)
             at = y * frame.stride + x
-            columns, rows = nearest(load(dx, at), load(dy, at), x, y, frame)
+            columns, rows = nearest_pixels(load(dx, at), load(dy, at), x, y, frame)
             store(pixel, at, rows * frame.stride + columns)
-            found = between(load(dx, at), load(dy, at), x, y, frame)
+            found = bilinear_coords(load(dx, at), load(dy, at), x, y, frame)
             store(corner, at, found.y * frame.stride + found.x)
             store(fx, at, found.fx)
             store(fy, at, found.fy)
@@ -41,12 +41,14 @@ def offsets(shape: tuple[int, int]) -> list[npt.NDArray[np.float64]]:
 @pytest.mark.parametrize("shape", SHAPES)
 def test_points_are_read_as_in_float64(shape: tuple[int, int]) -> None:
     image, (dx, dy) = np.random.default_rng(2).random(shape), offsets(shape)
-    frame = frame_of(image)
+    frame = raster_of(image)
     inner = (frame.height, frame.stride)
     pixel, corner = np.zeros((2, *inner), np.int32)
     fx, fy = np.zeros((2, *inner), np.float32)
-    _find(padded(dx, frame), padded(dy, frame), frame, *(each.reshape(-1) for each in (pixel, corner, fx, fy)))
-    picture = padded(image, frame)
+    _find(
+        padded_rows(dx, frame), padded_rows(dy, frame), frame, *(each.reshape(-1) for each in (pixel, corner, fx, fy))
+    )
+    picture = padded_rows(image, frame)
 
     def cut(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
         return array[:, : frame.width]
@@ -63,16 +65,16 @@ def test_points_are_read_as_in_float64(shape: tuple[int, int]) -> None:
 
 def test_to_the_right_of_a_single_column_nothing_is_read() -> None:
     dx, dy = offsets((5, 1))
-    frame = Frame(1, 5, LANES)
+    frame = Raster(1, 5, LANES)
     numbers, fx, fy = np.zeros(5 * LANES, np.int32), *np.zeros((2, 5 * LANES), np.float32)
-    _find(padded(dx, frame), padded(dy, frame), frame, numbers, numbers, fx, fy)
+    _find(padded_rows(dx, frame), padded_rows(dy, frame), frame, numbers, numbers, fx, fy)
     assert (fx == 0).all()
 
 
 def test_short_rows_are_filled_up_with_zeros() -> None:
     picture = np.ones((3, 5, 2), np.float32)
-    frame = frame_of(picture)
-    assert frame == Frame(5, 3, LANES)
-    np.testing.assert_array_equal(padded(picture, frame).reshape(3, LANES, 2).sum((0, 2)), [6] * 5 + [0] * 11)
+    frame = raster_of(picture)
+    assert frame == Raster(5, 3, LANES)
+    np.testing.assert_array_equal(padded_rows(picture, frame).reshape(3, LANES, 2).sum((0, 2)), [6] * 5 + [0] * 11)
     wide = np.ones((2, LANES))
-    assert np.shares_memory(padded(wide, frame_of(wide)), wide)
+    assert np.shares_memory(padded_rows(wide, raster_of(wide)), wide)

@@ -9,9 +9,9 @@ import numpy.typing as npt
 import pytest
 from numba import njit
 
-from flowabs_nodes.filters.regions.range_weights import floats_of
-from flowabs_nodes.sampling.coords import Frame, frame_of, padded
-from flowabs_nodes.sampling.samples import expect, find, new_points, read, row_below
+from flowabs_nodes.filters.regions.range_weights import record_size
+from flowabs_nodes.sampling.coords import Raster, padded_rows, raster_of
+from flowabs_nodes.sampling.samples import locate, new_sample_coords, prefetch_rows, row_below, sample
 from flowabs_nodes.simd.lanes import LANES
 from flowabs_nodes.simd.memory import load, store
 from tests.naive.walk import READ
@@ -20,16 +20,16 @@ SHAPES = [(9, 40), (2, 16), (1, 20), (6, 5), (5, 1), (1, 1)]
 
 
 @njit(error_model="numpy")
-def _read(picture: Any, dx: Any, dy: Any, bilinear: Any, alpha: Any, frame: Frame, out: Any) -> None:
-    points, size, pixels = new_points(), floats_of(alpha), frame.height * frame.stride
+def _read(picture: Any, dx: Any, dy: Any, bilinear: Any, alpha: Any, frame: Raster, out: Any) -> None:
+    points, size, pixels = new_sample_coords(), record_size(alpha), frame.height * frame.stride
     below = row_below(frame, size)
     for y in range(frame.height):
         for x0 in range(0, frame.stride, LANES):
             x = min(x0, frame.stride - LANES)
             pixel = y * frame.stride + x
-            expect(picture, out, x, y, 7, frame, size)
-            find(points, 5 * LANES, load(dx, pixel), load(dy, pixel), x, y, frame, size, bilinear)
-            color = read(picture, below, points, 5 * LANES, bilinear, alpha)
+            prefetch_rows(picture, out, x, y, 7, frame, size)
+            locate(points, 5 * LANES, load(dx, pixel), load(dy, pixel), x, y, frame, size, bilinear)
+            color = sample(picture, below, points, 5 * LANES, bilinear, alpha)
             store(out, pixel, color.l)
             store(out, pixels + pixel, color.a)
             store(out, 2 * pixels + pixel, color.b)
@@ -38,11 +38,11 @@ def _read(picture: Any, dx: Any, dy: Any, bilinear: Any, alpha: Any, frame: Fram
 
 def readings(records: npt.NDArray[Any], dx: Any, dy: Any, sampling: str) -> npt.NDArray[np.float32]:
     """(3 or 4, H, W)."""
-    frame, size = frame_of(records), records.shape[2]
-    picture = np.append(padded(records, frame), [0, 0]).astype(np.float32)
+    frame, size = raster_of(records), records.shape[2]
+    picture = np.append(padded_rows(records, frame), [0, 0]).astype(np.float32)
     out = np.zeros((4, frame.height, frame.stride), np.float32)
     bilinear, alpha = True if sampling == "bilinear" else None, True if size == 4 else None
-    _read(picture, padded(dx, frame), padded(dy, frame), bilinear, alpha, frame, out.reshape(-1))
+    _read(picture, padded_rows(dx, frame), padded_rows(dy, frame), bilinear, alpha, frame, out.reshape(-1))
     return out[:size, :, : frame.width]
 
 

@@ -10,8 +10,16 @@ import numpy.typing as npt
 import pytest
 from numba import njit
 
-from flowabs_nodes.sampling.coords import Frame, frame_of, padded
-from flowabs_nodes.sampling.streamline import ALL, advance, column, expect_tangents, new_walks, set_out, turn
+from flowabs_nodes.sampling.coords import Raster, padded_rows, raster_of
+from flowabs_nodes.sampling.streamline import (
+    BATCH,
+    advance,
+    block_column,
+    new_streamlines,
+    prefetch_tangents,
+    start,
+    turn,
+)
 from flowabs_nodes.simd.lanes import LANES
 from flowabs_nodes.simd.memory import load, store
 from tests.filters.flows import cases, random_flow
@@ -21,16 +29,16 @@ Flow = npt.NDArray[np.float32]
 
 
 @njit(error_model="numpy")
-def _walk(flow: Any, frame: Frame, steps: int, pixel: Any, dx: Any, dy: Any) -> None:
+def _walk(flow: Any, frame: Raster, steps: int, pixel: Any, dx: Any, dy: Any) -> None:
     """Pixel and offset after each step, for both ways."""
-    walks, pixels = new_walks(), frame.height * frame.stride
+    walks, pixels = new_streamlines(), frame.height * frame.stride
     for y in range(frame.height):
-        for x0 in range(0, frame.stride, ALL // 2):
-            expect_tangents(flow, x0, y, steps, frame)
-            set_out(walks, flow, x0, y, frame)
+        for x0 in range(0, frame.stride, BATCH // 2):
+            prefetch_tangents(flow, x0, y, steps, frame)
+            start(walks, flow, x0, y, frame)
             for s in range(steps):
-                for at in range(0, ALL, LANES):
-                    x, way = column(x0, at, frame), at // LANES % 2
+                for at in range(0, BATCH, LANES):
+                    x, way = block_column(x0, at, frame), at // LANES % 2
                     advance(walks, at, x, y, frame)
                     to = (way * steps + s) * pixels + y * frame.stride + x
                     store(pixel, to, load(walks.pixel, at))
@@ -41,10 +49,10 @@ def _walk(flow: Any, frame: Frame, steps: int, pixel: Any, dx: Any, dy: Any) -> 
 
 def walked(flow: Flow, steps: int) -> list[npt.NDArray[Any]]:
     """(2 ways, steps, H, W) each."""
-    frame = frame_of(flow)
+    frame = raster_of(flow)
     shape = (2, steps, frame.height, frame.stride)
     results = [np.zeros(shape, dtype) for dtype in (np.int32, np.float64, np.float64)]
-    tangents = padded(flow, frame).view(np.complex64)
+    tangents = padded_rows(flow, frame).view(np.complex64)
     _walk(tangents, frame, steps, *(result.reshape(-1) for result in results))
     return [result[..., : frame.width] for result in results]
 
@@ -76,7 +84,7 @@ FLOWS = {
 @pytest.mark.parametrize("name", FLOWS)
 def test_walks_are_those_of_exact_arithmetic(name: str) -> None:
     flow, steps = FLOWS[name], 20
-    frame = frame_of(flow)
+    frame = raster_of(flow)
     pixels, dxs, dys = walked(flow, steps)
     numbers = np.arange(frame.height * frame.stride, dtype=np.float64).reshape(frame.height, -1)[:, : frame.width]
     for way in range(2):

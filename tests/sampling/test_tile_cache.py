@@ -9,9 +9,9 @@ import pytest
 from numba import njit
 
 from flowabs_nodes.sampling import tile_cache
-from flowabs_nodes.sampling.streamline_tiled import advance, beyond, new_walks, set_out, turn
+from flowabs_nodes.sampling.streamline_tiled import advance, fraction_beyond, new_tiled_streamlines, start, turn
 from flowabs_nodes.simd.lanes import LANES, to_floats
-from flowabs_nodes.simd.memory import load, load_pairs, pairs_at, scratch, store
+from flowabs_nodes.simd.memory import gather_pairs, load, load_pairs, scratch, store
 from tests.filters.flows import cases, random_flow
 from tests.filters.pictures import noise
 from tests.naive import walk as naive
@@ -23,12 +23,15 @@ EDGES = [(0, 0, 41, 60), (25, 50, 41, 60), (16, 30, 32, 31), (0, 59, 16, 60)]  #
 @njit(error_model="numpy")
 def _read(plane: Any, columns: Any, rows: Any, u: Any, v: Any, edges: Any, out: Any) -> None:
     x, y, x_end, y_end = edges
-    tile = tile_cache.tile(x, y, x_end, y_end, STEPS, WIDTH, HEIGHT)
-    lattice, places = np.zeros(tile_cache.room(STEPS, HEIGHT, WIDTH, HEIGHT), np.complex64), scratch(np.int32, 1)
+    tile = tile_cache.tile_around(x, y, x_end, y_end, STEPS, WIDTH, HEIGHT)
+    lattice, places = (
+        np.zeros(tile_cache.tile_capacity(STEPS, HEIGHT, WIDTH, HEIGHT), np.complex64),
+        scratch(np.int32, 1),
+    )
     tile_cache.fill_lattice(lattice, plane, 0, tile)
     for k in range(0, out.size, LANES):
-        store(places, 0, tile_cache.place(load(columns, k), load(rows, k), tile))
-        store(out, k, tile_cache.between(lattice, places, 0, load(u, k), load(v, k)))
+        store(places, 0, tile_cache.tile_offset(load(columns, k), load(rows, k), tile))
+        store(out, k, tile_cache.sample_lattice(lattice, places, 0, load(u, k), load(v, k)))
 
 
 @pytest.mark.parametrize("edges", EDGES)
@@ -45,7 +48,7 @@ def test_a_lattice_is_read_bilinearly_and_repeats_the_border(edges: tuple[int, i
 
 
 def test_planes_are_made_wide_by_repeating_the_border() -> None:
-    wide = tile_cache.widened(noise(3, 5)[None], 2)
+    wide = tile_cache.pad_width(noise(3, 5)[None], 2)
     assert wide.shape == (1, 3, LANES)
     np.testing.assert_array_equal(wide[0, :, 5:], np.repeat(noise(3, 5)[:, 4:], LANES - 5, 1))
 
@@ -53,23 +56,23 @@ def test_planes_are_made_wide_by_repeating_the_border() -> None:
 @njit(error_model="numpy")
 def _walk(flow: Any, pixels: Any, x0: int, y: int, way: int, nearest: Any, dx: Any, dy: Any) -> bool:
     """Values of ``pixels`` at the nearest pixel, and offsets from the corner, after each step."""
-    walks = new_walks()
-    tile = tile_cache.tile(x0, y, x0 + LANES, y + 1, STEPS, WIDTH, HEIGHT)
-    records = np.zeros(2 * tile_cache.room(STEPS, HEIGHT, WIDTH, HEIGHT), np.complex64)
+    walks = new_tiled_streamlines()
+    tile = tile_cache.tile_around(x0, y, x0 + LANES, y + 1, STEPS, WIDTH, HEIGHT)
+    records = np.zeros(2 * tile_cache.tile_capacity(STEPS, HEIGHT, WIDTH, HEIGHT), np.complex64)
     if not tile_cache.fill_records(records, flow, pixels, (0, 0), tile):
         return False
     tx, ty = load_pairs(flow, y * WIDTH + x0)
-    set_out(walks, 0, x0, y, tx * (1 - 2 * way), ty * (1 - 2 * way))
+    start(walks, 0, x0, y, tx * (1 - 2 * way), ty * (1 - 2 * way))
     for s in range(1, STEPS + 1):
         advance(walks, 0, s, tile, 2)
-        tx, ty = pairs_at(records, walks.nearest, 0)
+        tx, ty = gather_pairs(records, walks.nearest, 0)
         turn(walks, 0, tx, ty)
         at = LANES * (s - 1)
         store(nearest, at, to_floats(load(walks.nearest, 0)))
         for lane in range(LANES):
             nearest[at + lane] = records[int(nearest[at + lane]) + 1].real
-        store(dx, at, beyond(load(walks.dx, 0)))
-        store(dy, at, beyond(load(walks.dy, 0)))
+        store(dx, at, fraction_beyond(load(walks.dx, 0)))
+        store(dy, at, fraction_beyond(load(walks.dy, 0)))
     return True
 
 

@@ -69,13 +69,13 @@ def test_after_an_error_no_other_band_begins():
 
 def test_the_limit_is_that_of_the_block_and_of_the_thread():
     with bands.limited(5):
-        assert bands.count() == 5
+        assert bands.thread_count() == 5
         with bands.limited(0):
-            assert bands.count() == 1
-        assert bands.count() == 5
+            assert bands.thread_count() == 1
+        assert bands.thread_count() == 5
         with ThreadPoolExecutor(1) as pool:
-            assert pool.submit(bands.count).result() == bands.every()
-    assert bands.count() == bands.every()
+            assert pool.submit(bands.thread_count).result() == bands.available_threads()
+    assert bands.thread_count() == bands.available_threads()
 
 
 def test_python_threads_may_all_call_kernels_at_once():
@@ -137,7 +137,7 @@ def every(monkeypatch):
             monkeypatch.setenv(name, value)
         monkeypatch.setattr(os, "process_cpu_count", lambda: 16, raising=False)
         monkeypatch.setattr(bands, "_granted", lambda: granted)
-        return bands.every.__wrapped__()
+        return bands.available_threads.__wrapped__()
 
     return ask
 

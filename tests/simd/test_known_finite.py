@@ -4,7 +4,7 @@ import pytest
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import validate
 from flowabs_nodes.simd import finite
-from flowabs_nodes.simd.known_finite import is_vouched, remembered, vouch
+from flowabs_nodes.simd.known_finite import is_marked_finite, mark_finite, remember_finite
 
 
 @pytest.fixture
@@ -29,7 +29,7 @@ def test_one_bad_number_is_found_wherever_it_is(size, bad):
 
 def test_an_array_is_looked_at_once_where_that_is_remembered(looks):
     array = np.ones((20, 30, 1), np.float32)
-    with remembered():
+    with remember_finite():
         for _ in range(3):
             validate.plane("lines", array[..., 0])  # another view each time
         assert len(looks) == 1
@@ -44,23 +44,23 @@ def test_an_array_is_looked_at_once_where_that_is_remembered(looks):
 def test_a_part_does_not_vouch_for_the_whole(looks):
     array = np.ones((20, 30), np.float32)
     array[15, 3] = np.nan
-    with remembered():
+    with remember_finite():
         validate.plane("code", array[:10])
         with pytest.raises(ArgumentError, match="found 1"):
             validate.plane("code", array)
 
 
 def test_what_is_vouched_for_is_not_looked_at(looks):
-    with remembered():
-        array = vouch(np.ones((20, 30), np.float32))
-        assert is_vouched(array)
-        assert is_vouched(array[3:5])
+    with remember_finite():
+        array = mark_finite(np.ones((20, 30), np.float32))
+        assert is_marked_finite(array)
+        assert is_marked_finite(array[3:5])
         validate.plane("code", array)
     assert not looks
-    assert not is_vouched(array)
+    assert not is_marked_finite(array)
 
 
 def test_another_array_in_the_same_place_is_not_vouched_for():
-    with remembered():
-        known = {id(vouch(np.ones((20, 30), np.float32))) for _ in range(10)}
-        assert not any(is_vouched(np.ones((20, 30), np.float32)) for _ in range(10)), known
+    with remember_finite():
+        known = {id(mark_finite(np.ones((20, 30), np.float32))) for _ in range(10)}
+        assert not any(is_marked_finite(np.ones((20, 30), np.float32)) for _ in range(10)), known

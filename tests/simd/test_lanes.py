@@ -10,7 +10,7 @@ import pytest
 from numba import njit
 
 from flowabs_nodes.simd import avx512, lanes, memory
-from flowabs_nodes.simd.lanes import LANES, lane_numbers, select
+from flowabs_nodes.simd.lanes import LANES, lane_indices, select
 from flowabs_nodes.simd.memory import load, store
 
 RANDOM = np.random.default_rng(16)
@@ -124,7 +124,7 @@ def test_doubles_are_exact_where_floats_are_not() -> None:
 
 def test_rough_inverse_root() -> None:
     """Its bound, over all of float32."""
-    inverse_root = kernel(lambda x, _: avx512.rough_inverse_root(x))
+    inverse_root = kernel(lambda x, _: avx512.approximate_rsqrt(x))
     for x in np.logspace(-37, 38, 320).reshape(-1, LANES).astype(np.float32):
         np.testing.assert_allclose(inverse_root(x, x), x.astype(np.float64) ** -0.5, rtol=2.0**-13)
 
@@ -137,11 +137,11 @@ PLACES = RANDOM.integers(0, 92, LANES).astype(np.int32)
 def _read_at_places(picture: Any, places: Any, out: Any) -> None:
     kept = memory.scratch(np.int32, 2)
     store(kept, 16, load(places, 0))
-    for k, each in enumerate(memory.pairs_at(picture, kept, 16)):
+    for k, each in enumerate(memory.gather_pairs(picture, kept, 16)):
         store(out, 16 * k, each)
-    for k, each in enumerate(memory.quads_at(picture, kept, 16)):
+    for k, each in enumerate(memory.gather_quads(picture, kept, 16)):
         store(out, 32 + 16 * k, each)
-    for k, each in enumerate(memory.octets_at(picture, kept, 16)):
+    for k, each in enumerate(memory.gather_octets(picture, kept, 16)):
         store(out, 96 + 16 * k, each)
 
 
@@ -156,7 +156,7 @@ def test_reading_at_scattered_places() -> None:
 def _read_pairs(picture: Any, places: Any, out: Any) -> None:
     kept = memory.scratch(np.int32, 1)
     store(kept, 0, load(places, 0))
-    for k, each in enumerate(memory.quads_at(picture, kept, 0)):
+    for k, each in enumerate(memory.gather_quads(picture, kept, 0)):
         store(out, 16 * k, each)
     for k, each in enumerate(memory.load_pairs(picture, 3)):
         store(out, 64 + 16 * k, each)
@@ -177,11 +177,11 @@ def test_complex_numbers_are_pairs() -> None:
 def _by_way_of_scratch(x: Any, whole: Any, nearest: Any, ties_to_even: Any, below: Any) -> None:
     kept = memory.scratch(np.float64, 3)
     store(kept, 32, lanes.to_doubles(load(x, 0)))
-    memory.soon_read(x, 10**9)  # only ever a hint
-    memory.soon_written(x, -1)
+    memory.prefetch(x, 10**9)  # only ever a hint
+    memory.prefetch_for_write(x, -1)
     store(whole, 0, lanes.to_ints(load(kept, 32)))
     store(nearest, 0, lanes.rint(load(kept, 32)))
-    store(ties_to_even, 0, lanes.nearest_ints(load(kept, 32)))
+    store(ties_to_even, 0, lanes.round_to_ints(load(kept, 32)))
     store(below, 0, lanes.floor(load(kept, 32)))
 
 
@@ -224,7 +224,7 @@ def test_neighbouring_records_come_apart_and_together() -> None:
 
 
 def test_look_up_in_a_table_of_sixteen() -> None:
-    np.testing.assert_array_equal(kernel(lambda table, i: avx512.look_up(table, i))(M, N), M[N & 15])
+    np.testing.assert_array_equal(kernel(lambda table, i: avx512.table_lookup(table, i))(M, N), M[N & 15])
 
 
 def test_sums_along_the_lanes() -> None:
@@ -233,7 +233,7 @@ def test_sums_along_the_lanes() -> None:
 
 
 def test_lanes_are_numbered() -> None:
-    np.testing.assert_array_equal(kernel(lambda i, _: i * 0 + lane_numbers())(M, M), np.arange(LANES))
+    np.testing.assert_array_equal(kernel(lambda i, _: i * 0 + lane_indices())(M, M), np.arange(LANES))
 
 
 @pytest.mark.parametrize("lane", [None, 0, 15])

@@ -139,9 +139,9 @@ class Elsewhere:
 
 def thread_counts() -> tuple[int, ...]:
     """One thread, and all there are."""
-    from flowabs_nodes.simd.bands import every
+    from flowabs_nodes.simd.bands import available_threads
 
-    return tuple(sorted({1, every()}))
+    return tuple(sorted({1, available_threads()}))
 
 
 def _seconds(run: Callable[[Any], object], given: Any) -> float:

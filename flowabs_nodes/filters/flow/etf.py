@@ -21,7 +21,7 @@ from flowabs_nodes.filters.flow import gradient
 from flowabs_nodes.filters.flow.adaptive import kernel_choice, radii
 from flowabs_nodes.filters.flow.etf_passes import smooth
 from flowabs_nodes.filters.flow.fill import flow_fill
-from flowabs_nodes.filters.flow.footprint_sums import passes
+from flowabs_nodes.filters.flow.footprint_sums import footprint_passes
 
 
 def etf(
@@ -107,5 +107,5 @@ def etf_and_reference(
         return tangent, reference
     sizes = radii(radius) if adaptive else [radius]
     choice = kernel_choice(code, radius).astype(np.int32) if len(sizes) > 1 else None
-    flow = smooth(tangent, magnitude, reference, iterations, passes(kernel, sizes, *magnitude.shape), choice)
+    flow = smooth(tangent, magnitude, reference, iterations, footprint_passes(kernel, sizes, *magnitude.shape), choice)
     return flow, reference

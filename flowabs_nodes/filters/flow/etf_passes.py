@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from flowabs_nodes.array_types import Array, Int32, Int64
-from flowabs_nodes.filters.flow.footprint_sums import PLANES, ROWS, Passes, sum_over_kernels
+from flowabs_nodes.filters.flow.footprint_sums import PLANES, ROWS, Passes, sum_over_footprints
 from flowabs_nodes.filters.flow.line_buffers import (
     Layout,
-    Memory,
+    LineBuffers,
     aligned,
     clear,
     clear_words,
@@ -27,11 +27,11 @@ from flowabs_nodes.filters.flow.line_buffers import (
     whole,
     words_at,
 )
-from flowabs_nodes.simd.avx512 import rough_inverse_root
+from flowabs_nodes.simd.avx512 import approximate_rsqrt
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined, kernel
-from flowabs_nodes.simd.lanes import LANES, bits_of, minimum, same_floats, select, to_floats
-from flowabs_nodes.simd.memory import load, load_pairs, soon_read, soon_written, store, store_pairs
+from flowabs_nodes.simd.lanes import LANES, bits_of, minimum, select, splat_floats, to_floats
+from flowabs_nodes.simd.memory import load, load_pairs, prefetch, prefetch_for_write, store, store_pairs
 
 COLUMNS = 400  # of a tile, about: what its passes leave for each other stays in the second-level cache
 WIDER = 10  # times as wide as what it covers beside it, at least
@@ -114,7 +114,7 @@ def _smooth(
     sums = aligned(sizes * PLANES * ROWS * columns)
     tangents = np.empty(steps * kept * 2 * columns, np.float32)
     trace = np.empty(kinds * kept * columns, np.float32)
-    memory = Memory(words, sums, tangents, trace)
+    memory = LineBuffers(words, sums, tangents, trace)
     rows = np.empty(depth, np.int64)
     for tile in range(first, last):
         left, right, top, bottom = tiles[tile, 0], tiles[tile, 1], tiles[tile, 2], tiles[tile, 3]
@@ -139,7 +139,7 @@ def _smooth(
                     rows[d] = (p * depth + (y0 + d - middle) % depth) * PLANES * columns
                 planes = 4 if p >= kinds else 5 if fixed.trace_bit > 0 else PLANES
                 down = p * PLANES * most * ROWS * room
-                sum_over_kernels(
+                sum_over_footprints(
                     words, rows, middle, planes, passes.groups, passes.first[kind], ends,
                     running, down, most, room, pad, sums, before, x0, x1, columns,
                 )  # fmt: skip
@@ -167,9 +167,9 @@ def _begin(
         for x0 in range(start, end, LANES):
             x = min(x0, width - LANES)
             i = y * width + x
-            soon_read(tangent, 2 * (i + ROWS * width))
-            soon_read(tangent, 2 * (i + ROWS * width) + LANES)
-            soon_read(magnitude, i + ROWS * width)
+            prefetch(tangent, 2 * (i + ROWS * width))
+            prefetch(tangent, 2 * (i + ROWS * width) + LANES)
+            prefetch(magnitude, i + ROWS * width)
             tx, ty = load_pairs(tangent, 2 * i)
             g = _strength(magnitude, i, field.inverse)
             _store_words(tx, ty, g, True, fixed, words, into + x, layout.columns)
@@ -187,7 +187,7 @@ def _turn(
     end: int,
     field: Field,
     fixed: FixedPoint,
-    memory: Memory,
+    memory: LineBuffers,
     layout: Layout,
     smoothed: Array,
 ) -> None:
@@ -228,8 +228,8 @@ def _turn(
             b, d = (1.0 - g) * c + gc, (1.0 - g) * s + gs
             tx, ty = _normalised((a + b) * tx + d * ty, d * tx + (a - b) * ty, tx, ty)
             if p == steps - 1:
-                soon_written(smoothed, 2 * (i + ROWS * width))
-                soon_written(smoothed, 2 * (i + ROWS * width) + LANES)
+                prefetch_for_write(smoothed, 2 * (i + ROWS * width))
+                prefetch_for_write(smoothed, 2 * (i + ROWS * width) + LANES)
                 store_pairs(smoothed, 2 * i, (tx, ty))
             else:
                 store(tangents, after + x, tx)
@@ -256,7 +256,7 @@ def _store_words(tx: Any, ty: Any, g: Any, trace: bool, fixed: FixedPoint, words
         if fixed.trace_bit > 0:
             store(words, i + 4 * columns, select(there, _nearest(g * fixed.one_below) + (1 << fixed.trace_bit), 0))
         else:
-            store(words, i + 4 * columns, _nearest(select(there, same_floats(fixed.one), 0.0)))
+            store(words, i + 4 * columns, _nearest(select(there, splat_floats(fixed.one), 0.0)))
             store(words, i + 5 * columns, _nearest(select(there, g * fixed.one, 0.0)))
 
 
@@ -279,7 +279,7 @@ def _own_sum(sums: Int32, at: int, plane: int, choice: Int32, pixel: int, sizes:
 def _normalised(x: Any, y: Any, tx: Any, ty: Any) -> Any:
     """(x, y) at length 1, by a Newton step; (tx, ty) where it is zero."""
     square = x * x + y * y
-    inverse = rough_inverse_root(square)
+    inverse = approximate_rsqrt(square)
     x, y = x * inverse, y * inverse
     rest = 0.5 * (1.0 - x * x - y * y)
     there = square > 0.0

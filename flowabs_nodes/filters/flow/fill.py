@@ -21,7 +21,7 @@ from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters.flow.gradient import half_angle
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined, kernel
-from flowabs_nodes.simd.lanes import LANES, any_lane, lane_numbers, maximum, minimum, select, to_floats
+from flowabs_nodes.simd.lanes import LANES, any_lane, lane_indices, maximum, minimum, select, to_floats
 from flowabs_nodes.simd.memory import load, load_pairs, store, store_pairs
 
 _ISOTROPIC = 1e-6  # of a trace of 1: a tensor whose double angle is shorter has no direction, only rounding
@@ -178,7 +178,7 @@ def _pull(
         _bilinear(coarser[1], cells, j, blended, below_s)
         rows = np.float32(confident * min(size, height - j * size))
         for i in range(0, min(2 * cells[1], axes.shape[2]), LANES):
-            area = rows * to_floats(minimum(width - (lane_numbers() + i) * size, size))
+            area = rows * to_floats(minimum(width - (lane_indices() + i) * size, size))
             own = load(sums[0, j], i), load(sums[1, j], i), load(sums[2, j], i)
             c, s = _lean(own[0], own[1], own[2], area, load(below_c, i), load(below_s, i))
             store(axes[0, j], i, c)
@@ -211,7 +211,7 @@ def _pull_pixels(
             tx, ty = load_pairs(tangent, 2 * i)
             missing = tx * tx + ty * ty == 0.0
             # Those that the block before has filled are not filled again.
-            weak = (missing | (weight < confident)) & (lane_numbers() + x >= x0)
+            weak = (missing | (weight < confident)) & (lane_indices() + x >= x0)
             if any_lane(weak):
                 c, s = _lean(c, s, weight, confident, load(below_c, x), load(below_s, x))
                 new_x, new_y = half_angle(c, s)

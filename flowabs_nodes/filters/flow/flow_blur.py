@@ -10,24 +10,32 @@ import numpy.typing as npt
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import gaussian, validate
-from flowabs_nodes.sampling.exact_sums import full
+from flowabs_nodes.sampling.exact_sums import exact_sum
 from flowabs_nodes.sampling.modes import SAMPLINGS
-from flowabs_nodes.sampling.streamline_tiled import BLOCKS, Walks, advance, beyond, new_walks, set_out, turn
+from flowabs_nodes.sampling.streamline_tiled import (
+    BLOCKS,
+    TiledStreamlines,
+    advance,
+    fraction_beyond,
+    new_tiled_streamlines,
+    start,
+    turn,
+)
 from flowabs_nodes.sampling.tile_cache import (
     COLUMNS,
     ROWS,
-    Shape,
-    between,
+    PlanesShape,
     fill_lattice,
     fill_records,
     fill_tangents,
     over_tiles,
-    room,
-    tile,
+    sample_lattice,
+    tile_around,
+    tile_capacity,
 )
 from flowabs_nodes.simd.jit import kernel
 from flowabs_nodes.simd.lanes import LANES, inlined
-from flowabs_nodes.simd.memory import load, load_pairs, pairs_at, quads_at, scratch, store
+from flowabs_nodes.simd.memory import gather_pairs, gather_quads, load, load_pairs, scratch, store
 
 _SUMS = 4 * BLOCKS  # of each channel
 
@@ -63,11 +71,11 @@ def flow_blur(image: npt.ArrayLike, flow: npt.ArrayLike, sigma: float = 2.0, sam
         raise ArgumentError(f"image: expected up to 4 channels, found {image.shape[2]}", parameter="image")
     if sigma == 0:
         return image.copy()
-    blurred = along(planes_of(image), flow, gaussian.half(sigma), sampling)
+    blurred = along(as_planes(image), flow, gaussian.half(sigma), sampling)
     return np.ascontiguousarray(np.moveaxis(blurred, 0, -1)).reshape(image.shape)
 
 
-def planes_of(image: Array) -> Array:
+def as_planes(image: Array) -> Array:
     """(H, W) or (H, W, C) as (C, H, W)."""
     return np.ascontiguousarray(image[None] if image.ndim == 2 else np.moveaxis(image, -1, 0))
 
@@ -78,78 +86,94 @@ def along(planes: Array, flow: Array, weights: npt.NDArray[np.float64], sampling
     ``weights`` are those of the steps 0, 1 .. to either side.
     """
     blurred = over_tiles(_along_nearest if sampling == "nearest" else _along_bilinear, planes, flow, weights)
-    return full(planes, flow, np.ones(1), weights, sampling) if blurred is None else blurred
+    return exact_sum(planes, flow, np.ones(1), weights, sampling) if blurred is None else blurred
 
 
 @kernel
-def _along_bilinear(first: int, last: int, planes: Any, shape: Shape, flow: Any, weights: Any, blurred: Any) -> bool:
+def _along_bilinear(
+    first: int, last: int, planes: Any, shape: PlanesShape, flow: Any, weights: Any, blurred: Any
+) -> bool:
     """Whether all tangents were short enough."""
     channels, height, width = shape
     steps = weights.size - 1
-    walks, total = new_walks(), scratch(np.float32, _SUMS)
-    size = room(steps, last - first, width, height)
+    curves, total = new_tiled_streamlines(), scratch(np.float32, _SUMS)
+    size = tile_capacity(steps, last - first, width, height)
     tangents, lattices = np.empty(size, np.complex64), np.empty(channels * size, np.complex64)
     for y0 in range(first, last, ROWS):
         for x0 in range(0, width, COLUMNS):
             y_end, x_end = min(y0 + ROWS, last), min(x0 + COLUMNS, width)
             span = (x_end - x0 + LANES - 1) // LANES * LANES
-            around = tile(x0, y0, x_end, y_end, steps, width, height)
+            around = tile_around(x0, y0, x_end, y_end, steps, width, height)
             if not fill_tangents(tangents, flow, around):
                 return False
             for c in range(channels):
                 fill_lattice(lattices[c * size :], planes, c * height * width, around)
             for y in range(y0, y_end):
-                _set_out(walks, flow, x0, span, y, width)
+                _start(curves, flow, x0, span, y, width)
                 _start_sums(total, planes, weights[0], 0, channels, x0, span, y, height, width)
                 for s in range(1, steps + 1):
                     if s > 1:
                         for k in range(0, 2 * span, LANES):
-                            tx, ty = pairs_at(tangents, walks.nearest, k)
-                            turn(walks, k, tx, ty)
+                            tx, ty = gather_pairs(tangents, curves.nearest, k)
+                            turn(curves, k, tx, ty)
                     for k in range(0, 2 * span, LANES):
-                        advance(walks, k, s, around, 1)
+                        advance(curves, k, s, around, 1)
                     for c in range(channels):
                         for k in range(0, span, LANES):
-                            a, b = _read(lattices[c * size :], walks, 2 * k)
+                            a, b = _read(lattices[c * size :], curves, 2 * k)
                             _add(total, c * COLUMNS + k, a + b, weights[s])
                 _finish_sums(total, blurred, 0, channels, x0, span, y, height, width)
     return True
 
 
 @inlined
-def _read(lattice: Any, walks: Walks, k: int) -> tuple[Any, Any]:
+def _read(lattice: Any, curves: TiledStreamlines, k: int) -> tuple[Any, Any]:
     """At z of the walks both ways."""
-    a = between(lattice, walks.corner, k, beyond(load(walks.dx, k)), beyond(load(walks.dy, k)))
+    a = sample_lattice(
+        lattice,
+        curves.corner,
+        k,
+        fraction_beyond(load(curves.dx, k)),
+        fraction_beyond(load(curves.dy, k)),
+    )
     k += LANES
-    return a, between(lattice, walks.corner, k, beyond(load(walks.dx, k)), beyond(load(walks.dy, k)))
+    return a, sample_lattice(
+        lattice,
+        curves.corner,
+        k,
+        fraction_beyond(load(curves.dx, k)),
+        fraction_beyond(load(curves.dy, k)),
+    )
 
 
 @kernel
-def _along_nearest(first: int, last: int, planes: Any, shape: Shape, flow: Any, weights: Any, blurred: Any) -> bool:
+def _along_nearest(
+    first: int, last: int, planes: Any, shape: PlanesShape, flow: Any, weights: Any, blurred: Any
+) -> bool:
     """Two planes at a time: one load brings a tangent and two values. Whether all tangents were short enough."""
     channels, height, width = shape
     steps = weights.size - 1
-    walks, total = new_walks(), scratch(np.float32, _SUMS)
-    records = np.empty(2 * room(steps, last - first, width, height), np.complex64)
+    curves, total = new_tiled_streamlines(), scratch(np.float32, _SUMS)
+    records = np.empty(2 * tile_capacity(steps, last - first, width, height), np.complex64)
     for y0 in range(first, last, ROWS):
         for x0 in range(0, width, COLUMNS):
             y_end, x_end = min(y0 + ROWS, last), min(x0 + COLUMNS, width)
             span = (x_end - x0 + LANES - 1) // LANES * LANES
-            around = tile(x0, y0, x_end, y_end, steps, width, height)
+            around = tile_around(x0, y0, x_end, y_end, steps, width, height)
             for c in range(0, channels, 2):
                 c_end = min(c + 2, channels)
                 pair = c * height * width, (c_end - 1) * height * width
                 if not fill_records(records, flow, planes, pair, around):
                     return False
                 for y in range(y0, y_end):
-                    _set_out(walks, flow, x0, span, y, width)
+                    _start(curves, flow, x0, span, y, width)
                     _start_sums(total, planes, weights[0], c, c_end, x0, span, y, height, width)
                     for s in range(1, steps + 1):
                         for k in range(0, 2 * span, LANES):
-                            advance(walks, k, s, around, 2)
+                            advance(curves, k, s, around, 2)
                         for k in range(0, span, LANES):
-                            a, b = _step_to(records, walks, 2 * k)
-                            e, f = _step_to(records, walks, 2 * k + LANES)
+                            a, b = _step_to(records, curves, 2 * k)
+                            e, f = _step_to(records, curves, 2 * k + LANES)
                             _add(total, k, a + e, weights[s])
                             _add(total, COLUMNS + k, b + f, weights[s])
                     _finish_sums(total, blurred, c, c_end, x0, span, y, height, width)
@@ -157,21 +181,21 @@ def _along_nearest(first: int, last: int, planes: Any, shape: Shape, flow: Any, 
 
 
 @inlined
-def _step_to(records: Any, walks: Walks, k: int) -> tuple[Any, Any]:
+def _step_to(records: Any, curves: TiledStreamlines, k: int) -> tuple[Any, Any]:
     """Turn the walks to t(z); both values there."""
-    tx, ty, a, b = quads_at(records, walks.nearest, k)
-    turn(walks, k, tx, ty)
+    tx, ty, a, b = gather_quads(records, curves.nearest, k)
+    turn(curves, k, tx, ty)
     return a, b
 
 
 @inlined
-def _set_out(walks: Walks, flow: Any, x0: int, span: int, y: int, width: int) -> None:
+def _start(curves: TiledStreamlines, flow: Any, x0: int, span: int, y: int, width: int) -> None:
     """From ``span`` pixels of row y; the last sixteen overlap others where the picture ends."""
     for k in range(0, span, LANES):
         x = min(x0 + k, width - LANES)
         tx, ty = load_pairs(flow, y * width + x)
-        set_out(walks, 2 * k, x, y, tx, ty)
-        set_out(walks, 2 * k + LANES, x, y, -tx, -ty)
+        start(curves, 2 * k, x, y, tx, ty)
+        start(curves, 2 * k + LANES, x, y, -tx, -ty)
 
 
 @inlined

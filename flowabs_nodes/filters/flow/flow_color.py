@@ -11,7 +11,7 @@ from flowabs_nodes.filters import validate
 from flowabs_nodes.simd.jit import kernel
 from flowabs_nodes.simd.lanes import from_doubles, maximum, to_doubles
 from flowabs_nodes.simd.memory import load_pairs, store_triples
-from flowabs_nodes.simd.pixelwise import first_of, new_run, over_pixels, picture_of, run_of
+from flowabs_nodes.simd.pixelwise import as_picture, as_run, empty_run, first_pixel, over_pixels
 
 _HALF_ROOT_3 = math.sqrt(3) / 2
 
@@ -39,15 +39,15 @@ def flow_color(flow: npt.ArrayLike) -> Array:
     flow = validate.flow_field(flow)
     height, width, _ = flow.shape
     pixels = height * width
-    rgb = new_run(pixels, 3)
-    over_pixels(_color, pixels, run_of(flow, 2), rgb)
-    return picture_of(rgb, height, width, 3)
+    rgb = empty_run(pixels, 3)
+    over_pixels(_color, pixels, as_run(flow, 2), rgb)
+    return as_picture(rgb, height, width, 3)
 
 
 @kernel
 def _color(first: int, last: int, flow: Array, rgb: Array) -> None:
     for block in range(first, last):
-        pixel = first_of(block, rgb.size // 3)
+        pixel = first_pixel(block, rgb.size // 3)
         x, y = load_pairs(flow, 2 * pixel)
         tx, ty = to_doubles(x), to_doubles(y)
         norm = 2.0 * maximum(tx * tx + ty * ty, 1.0)

@@ -16,7 +16,7 @@ import numpy as np
 
 from flowabs_nodes.array_types import Int32, Int64
 from flowabs_nodes.simd.jit import kernel
-from flowabs_nodes.simd.lanes import LANES, last_lane, prefix_sums, same_ints
+from flowabs_nodes.simd.lanes import LANES, last_lane, prefix_sums, splat_ints
 from flowabs_nodes.simd.memory import load, store
 
 u = np.uintp  # unsigned indices do not wrap around, which would cost time
@@ -33,7 +33,7 @@ class Passes(NamedTuple):
     pixels: int  # of the largest kernel
 
 
-def passes(kernel: str, radii: list[float], height: int, width: int) -> Passes:
+def footprint_passes(kernel: str, radii: list[float], height: int, width: int) -> Passes:
     """Of an iteration on a picture of this size: "full", a disc, or "separable", a row, then a column."""
     shapes = [[_disc(r, height, width)] if kernel == "full" else _cross(r, height, width) for r in radii]
     reach: list[tuple[int, int]] = []
@@ -75,7 +75,7 @@ def _steps(radius: float) -> int:
 
 
 @kernel
-def sum_over_kernels(
+def sum_over_footprints(
     words: Int32,
     rows: Int64,
     middle: int,
@@ -133,9 +133,9 @@ def sum_over_kernels(
                             store(running, into + room + x, s1)
         for size in range(first.size - 1):
             into = (size * PLANES + plane) * ROWS * columns
-            s0, s1, s2, s3 = same_ints(0), same_ints(0), same_ints(0), same_ints(0)
+            s0, s1, s2, s3 = splat_ints(0), splat_ints(0), splat_ints(0), splat_ints(0)
             for x in range(start - (start - before + reach + LANES - 1) // LANES * LANES, end, LANES):
-                e0, e1, e2, e3 = same_ints(0), same_ints(0), same_ints(0), same_ints(0)
+                e0, e1, e2, e3 = splat_ints(0), splat_ints(0), splat_ints(0), splat_ints(0)
                 for j in range(first[size], first[size + 1]):
                     i, out = of_plane + x + ends[u(j), u(0)], of_plane + x + ends[u(j), u(1)]
                     e0 = e0 + (load(running, i) - load(running, out))

@@ -25,9 +25,9 @@ from flowabs_nodes.simd.lanes import (
     from_doubles,
     maximum,
     minimum,
-    same_doubles,
-    same_floats,
     select,
+    splat_doubles,
+    splat_floats,
     sqrt,
     to_doubles,
 )
@@ -138,7 +138,7 @@ def _gradient(
     rows = np.empty((3, size), np.float32)
     for y in range(first - 1, first + 1):
         _load_row(code, channels, height, width, y, rows[y % 3])
-    largest, shortest = same_floats(0.0), same_floats(1.0)
+    largest, shortest = splat_floats(0.0), splat_floats(1.0)
     for y in range(first, last):
         _load_row(code, channels, height, width, y + 1, rows[(y + 1) % 3])
         above, here, below = rows[(y - 1) % 3], rows[y % 3], rows[(y + 1) % 3]
@@ -148,7 +148,7 @@ def _gradient(
                 gx, gy = _sobel(above, here, below, x)
                 tx, ty, m = _across(gx, gy)
             else:
-                c, s, trace = same_doubles(0.0), same_doubles(0.0), same_doubles(0.0)
+                c, s, trace = splat_doubles(0.0), splat_doubles(0.0), splat_doubles(0.0)
                 for i in range(x, size, width + 2):
                     gx, gy = _sobel(above, here, below, i)
                     xx, yy = gx * gx, gy * gy

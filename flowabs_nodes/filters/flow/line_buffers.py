@@ -14,13 +14,13 @@ import numpy as np
 
 from flowabs_nodes.array_types import Array, Int32, Int64
 from flowabs_nodes.filters.flow.footprint_sums import PLANES, ROWS, Passes
-from flowabs_nodes.simd.bands import count
+from flowabs_nodes.simd.bands import thread_count
 from flowabs_nodes.simd.jit import inlined, kernel
-from flowabs_nodes.simd.lanes import LANES, same_ints
+from flowabs_nodes.simd.lanes import LANES, splat_ints
 from flowabs_nodes.simd.memory import store
 
 
-class Memory(NamedTuple):
+class LineBuffers(NamedTuple):
     """What lies between the passes."""
 
     words: Int32  # N and ĝN that each pass sums, a ring of rows
@@ -44,7 +44,7 @@ class Layout(NamedTuple):
 
 def tiles_of(height: int, width: int, most: int) -> Int64:
     """Strips of about ``most`` columns, cut for threads to get equal shares: left, right, top, bottom of each."""
-    threads = count()
+    threads = thread_count()
     strips = max(-(-width // most), min(threads, width // 128), 1)
     equal = threads // math.gcd(strips, threads)  # many tiles make shares equal as well
     bands = max(1, min(equal, -(-4 * threads // strips), height // 128))
@@ -112,7 +112,7 @@ def trace_at(layout: Layout, kind: int, y: int) -> int:
 @kernel
 def clear(numbers: Int32, start: int, end: int) -> None:
     for i in range(start, end, LANES):
-        store(numbers, i, same_ints(0))
+        store(numbers, i, splat_ints(0))
 
 
 @inlined

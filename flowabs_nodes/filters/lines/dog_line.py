@@ -8,22 +8,22 @@ import numpy as np
 import numpy.typing as npt
 
 from flowabs_nodes.array_types import Array
-from flowabs_nodes.sampling.exact_sums import full
+from flowabs_nodes.sampling.exact_sums import exact_sum
 from flowabs_nodes.sampling.tile_cache import (
     COLUMNS,
     ROWS,
-    Shape,
+    PlanesShape,
     Tile,
-    between,
     fill_lattice,
+    is_short,
     over_tiles,
-    place,
-    room,
-    short,
-    tile,
+    sample_lattice,
+    tile_around,
+    tile_capacity,
+    tile_offset,
 )
 from flowabs_nodes.simd.jit import kernel
-from flowabs_nodes.simd.lanes import LANES, floor, inlined, lane_numbers, to_ints
+from flowabs_nodes.simd.lanes import LANES, floor, inlined, lane_indices, to_ints
 from flowabs_nodes.simd.memory import load, load_pairs, scratch, store
 
 _STEPS = 8  # whose places are worked out together: the loads of one need not wait for those of another
@@ -35,27 +35,27 @@ def across(planes: Array, flow: Array, taps: npt.NDArray[np.float64]) -> Array:
     ``taps`` are the weights f of the steps 0, 1 .. to either side.
     """
     result = over_tiles(_across, planes, flow, taps)
-    return full(planes, flow, taps, np.ones(1), "bilinear") if result is None else result
+    return exact_sum(planes, flow, taps, np.ones(1), "bilinear") if result is None else result
 
 
 @kernel
-def _across(first: int, last: int, planes: Any, shape: Shape, flow: Any, taps: Any, result: Any) -> bool:
+def _across(first: int, last: int, planes: Any, shape: PlanesShape, flow: Any, taps: Any, result: Any) -> bool:
     """Whether all tangents were short enough."""
     channels, height, width = shape
     steps = taps.size - 1
     places, u, v = scratch(np.int32, 16), scratch(np.float32, 8), scratch(np.float32, 8)
-    lattice = np.empty(room(steps, last - first, width, height), np.complex64)
+    lattice = np.empty(tile_capacity(steps, last - first, width, height), np.complex64)
     for y0 in range(first, last, ROWS):
         for x0 in range(0, width, COLUMNS):
             y_end, x_end = min(y0 + ROWS, last), min(x0 + COLUMNS, width)
-            around = tile(x0, y0, x_end, y_end, steps, width, height)
+            around = tile_around(x0, y0, x_end, y_end, steps, width, height)
             for c in range(channels):
                 fill_lattice(lattice, planes, c * height * width, around)
                 for y in range(y0, y_end):
                     for each in range(x0, x_end, LANES):
                         x = min(each, width - LANES)
                         tx, ty = load_pairs(flow, y * width + x)
-                        if not short(tx, ty):
+                        if not is_short(tx, ty):
                             return False
                         at = (c * height + y) * width + x
                         total = load(planes, at) * taps[0]
@@ -76,14 +76,14 @@ def _find(n: int, tx: Any, ty: Any, x: int, y: int, tile: Tile, places: Any, u: 
     left, top = floor(dx), floor(dy)
     store(u, LANES * k, dx - left)
     store(v, LANES * k, dy - top)
-    columns, rows, pixel = to_ints(left), to_ints(top), lane_numbers() + x
-    store(places, 2 * LANES * k, place(pixel + columns, rows + y, tile))
-    store(places, 2 * LANES * k + LANES, place(pixel - 1 - columns, -1 - rows + y, tile))
+    columns, rows, pixel = to_ints(left), to_ints(top), lane_indices() + x
+    store(places, 2 * LANES * k, tile_offset(pixel + columns, rows + y, tile))
+    store(places, 2 * LANES * k + LANES, tile_offset(pixel - 1 - columns, -1 - rows + y, tile))
 
 
 @inlined
 def _both_sides(lattice: Any, places: Any, u: Any, v: Any, k: int) -> Any:
     """What is at the k-th places."""
     u, v = load(u, LANES * k), load(v, LANES * k)
-    other = between(lattice, places, 2 * LANES * k + LANES, 1.0 - u, 1.0 - v)
-    return between(lattice, places, 2 * LANES * k, u, v) + other
+    other = sample_lattice(lattice, places, 2 * LANES * k + LANES, 1.0 - u, 1.0 - v)
+    return sample_lattice(lattice, places, 2 * LANES * k, u, v) + other

@@ -10,15 +10,15 @@ import numpy.typing as npt
 
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import gaussian, validate
-from flowabs_nodes.filters.flow.flow_blur import along, planes_of
+from flowabs_nodes.filters.flow.flow_blur import along, as_planes
 from flowabs_nodes.filters.lines.dog_line import across
-from flowabs_nodes.sampling.exact_sums import full
+from flowabs_nodes.sampling.exact_sums import exact_sum
 from flowabs_nodes.sampling.modes import SAMPLINGS
 from flowabs_nodes.simd.elementary import LOG2_E, exp2_of_negative
 from flowabs_nodes.simd.jit import kernel
-from flowabs_nodes.simd.lanes import absolute, same_floats, select, sqrt
+from flowabs_nodes.simd.lanes import absolute, select, splat_floats, sqrt
 from flowabs_nodes.simd.memory import load, store
-from flowabs_nodes.simd.pixelwise import first_of, new_run, over_pixels, picture_of, run_of
+from flowabs_nodes.simd.pixelwise import as_picture, as_run, empty_run, first_pixel, over_pixels
 
 
 def fdog(
@@ -67,7 +67,7 @@ def fdog(
     code = validate.plane_or_planes("code", code)
     flow = validate.flow_field(flow, code.shape)
     detector = Detector.checked(sigma_m, sigma_c, rho, color_weight, kernel, sampling)
-    return detector.response(planes_of(code if color_weight > 0 or code.ndim == 2 else code[..., 0]), flow)
+    return detector.response(as_planes(code if color_weight > 0 or code.ndim == 2 else code[..., 0]), flow)
 
 
 @dataclass(frozen=True)
@@ -99,25 +99,25 @@ class Detector:
         """H of a picture (C, H, W), its first plane alone without a weight for colour."""
         planes = planes if self.color_weight > 0 else planes[:1]
         if self.full:
-            responses = full(planes, flow, self.taps, self.weights, self.sampling)
+            responses = exact_sum(planes, flow, self.taps, self.weights, self.sampling)
         else:
             responses = along(across(planes, flow, self.taps), flow, self.weights, self.sampling)
         if self.color_weight == 0:
             first: Array = responses[0]
             return first
         # A picture of one channel has no colour: its lightness stands in, and is not read.
-        channels = [run_of(responses[min(c, len(responses) - 1)]) for c in range(3)]
-        joined, weight = new_run(responses[0].size), np.float32(self.color_weight)
+        channels = [as_run(responses[min(c, len(responses) - 1)]) for c in range(3)]
+        joined, weight = empty_run(responses[0].size), np.float32(self.color_weight)
         over_pixels(_join, joined.size, *channels, len(responses) > 1, weight, joined)
-        return picture_of(joined, *flow.shape[:2])
+        return as_picture(joined, *flow.shape[:2])
 
 
 @kernel
 def _join(first: int, last: int, lightness: Any, a: Any, b: Any, is_color: bool, weight: Any, joined: Any) -> None:
     """Join the responses of all channels to H = tanh(2 d_L) sqrt(d_L^2 + w^2 (d_a^2 + d_b^2))."""
     for block in range(first, last):
-        i = first_of(block, joined.size)
-        d, da, db = load(lightness, i), same_floats(0.0), same_floats(0.0)
+        i = first_pixel(block, joined.size)
+        d, da, db = load(lightness, i), splat_floats(0.0), splat_floats(0.0)
         if is_color:
             da, db = load(a, i) * weight, load(b, i) * weight
         # tanh(2 |d|) = (1 - e) / (1 + e) with e = exp(-4 |d|)

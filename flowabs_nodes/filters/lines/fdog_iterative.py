@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import validate
-from flowabs_nodes.filters.flow.flow_blur import planes_of
+from flowabs_nodes.filters.flow.flow_blur import as_planes
 from flowabs_nodes.filters.gaussian_blur import blur
 from flowabs_nodes.filters.lines.fdog import Detector
 from flowabs_nodes.filters.lines.threshold import threshold
@@ -78,7 +78,7 @@ def fdog_iterative(
             return xdog(response, p, epsilon, phi)
         return threshold(response, tau, contrast, softness), response
 
-    original = planes_of(code if color_weight > 0 or code.ndim == 2 else code[..., 0])
+    original = as_planes(code if color_weight > 0 or code.ndim == 2 else code[..., 0])
     lines, response = draw(original)
     for _ in range(iterations - 1):
         lines, response = draw(_inked(original, lines))

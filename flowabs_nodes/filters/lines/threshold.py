@@ -12,10 +12,10 @@ from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import validate
 from flowabs_nodes.simd.finite import refuse_non_finite
 from flowabs_nodes.simd.jit import kernel
-from flowabs_nodes.simd.known_finite import vouch
-from flowabs_nodes.simd.lanes import maximum, minimum, same_floats, select
+from flowabs_nodes.simd.known_finite import mark_finite
+from flowabs_nodes.simd.lanes import maximum, minimum, select, splat_floats
 from flowabs_nodes.simd.memory import load, store
-from flowabs_nodes.simd.pixelwise import doubt, doubtful, first_of, new_run, over_pixels, picture_of, run_of
+from flowabs_nodes.simd.pixelwise import any_nan, as_picture, as_run, empty_run, first_pixel, over_pixels, zero_or_nan
 
 
 def threshold(response: npt.ArrayLike, tau: float = 0.5, contrast: float | None = None, softness: float = 0.0) -> Array:
@@ -50,10 +50,10 @@ def threshold(response: npt.ArrayLike, tau: float = 0.5, contrast: float | None 
         contrast = math.inf
     else:
         contrast = (math.log(2 - tau) - math.log(tau)) / 2  # -atanh(tau - 1), also where tau - 1 rounds to -1
-    run, lines = run_of(response), new_run(response.size)
+    run, lines = as_run(response), empty_run(response.size)
     if any(over_pixels(_threshold, run.size, run, *_ramp(-contrast, softness), lines)):
         refuse_non_finite("response", response)
-    return vouch(picture_of(lines, *response.shape))
+    return mark_finite(as_picture(lines, *response.shape))
 
 
 def _ramp(paper: float, softness: float) -> tuple[np.float32, np.float32, np.float32]:
@@ -72,15 +72,15 @@ def _ramp(paper: float, softness: float) -> tuple[np.float32, np.float32, np.flo
 
 @kernel
 def _threshold(first: int, last: int, response: Any, paper: Any, rest: Any, slope: Any, lines: Any) -> Any:
-    total = same_floats(0.0)
+    total = splat_floats(0.0)
     for block in range(first, last):
-        i = first_of(block, response.size)
+        i = first_pixel(block, response.size)
         h = load(response, i)
-        total = total + doubt(h)
+        total = total + zero_or_nan(h)
         if slope == 0:
-            line = select(h < paper, same_floats(0.0), same_floats(1.0))
+            line = select(h < paper, splat_floats(0.0), splat_floats(1.0))
         else:
             t = minimum(maximum(((h - paper) - rest) * slope + 1.0, 0.0), 1.0)
             line = t * t * (3.0 - 2.0 * t)
         store(lines, i, line)
-    return doubtful(total)
+    return any_nan(total)

@@ -9,13 +9,13 @@ import numpy.typing as npt
 
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import gaussian, validate
-from flowabs_nodes.filters.regions.range_weights import closeness, falloff
+from flowabs_nodes.filters.regions.range_weights import range_exponent, spatial_exponents
 from flowabs_nodes.sampling.samples import TINY
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.border import repeat_left, repeat_right
 from flowabs_nodes.simd.elementary import exp2_weight
 from flowabs_nodes.simd.jit import inlined, kernel
-from flowabs_nodes.simd.lanes import LANES, same_floats, select
+from flowabs_nodes.simd.lanes import LANES, select, splat_floats
 from flowabs_nodes.simd.memory import load, load_triples, store, store_triples
 
 KERNELS = ("full", "xy")
@@ -78,7 +78,17 @@ def bilateral(
     over_rows(_lay_out, height, codes.reshape(-1), there.reshape(-1), size, picture)
     for _ in range(iterations):
         for across, down in windows:
-            over_rows(_smooth, height, picture, closeness(sigma_d), falloff(sigma_r), across, down, size, smoothed)
+            over_rows(
+                _smooth,
+                height,
+                picture,
+                spatial_exponents(sigma_d),
+                range_exponent(sigma_r),
+                across,
+                down,
+                size,
+                smoothed,
+            )
             picture, smoothed = smoothed, picture
     result = np.empty_like(codes)
     over_rows(_take_out, height, picture, codes.reshape(-1), size, result.reshape(-1))
@@ -103,7 +113,7 @@ def _row(y: int, size: Size) -> tuple[int, int]:
 
 @kernel
 def _lay_out(first: int, last: int, codes: Any, alpha: Any, size: Size, picture: Any) -> None:
-    nothing = same_floats(0.0)
+    nothing = splat_floats(0.0)
     for y in range(first, last):
         row, plane = _row(y, size)
         for x0 in range(0, size.stride, LANES):
@@ -147,8 +157,8 @@ def _smooth(
     first: int,
     last: int,
     picture: Any,
-    closeness: Any,
-    falloff: Any,
+    spatial_exponents: Any,
+    range_exponent: Any,
     across: int,
     down: int,
     size: Size,
@@ -161,15 +171,20 @@ def _smooth(
             x = min(x0, size.stride - LANES)
             l0, a0, b0 = load(picture, row + x), load(picture, row + plane + x), load(picture, row + 2 * plane + x)
             alpha = load(picture, row + 3 * plane + x)
-            sums = same_floats(0.0), same_floats(0.0), same_floats(0.0), alpha  # the pixel itself: its difference is 0
+            sums = (
+                splat_floats(0.0),
+                splat_floats(0.0),
+                splat_floats(0.0),
+                alpha,
+            )  # the pixel itself: its difference is 0
             # The weight of a distance is that of the opposite one, so neighbours are taken in pairs.
             for dy in range(down + 1):
                 above, _ = _row(max(y - dy, 0), size)
                 below, _ = _row(min(y + dy, size.height - 1), size)
                 for dx in range(-across if dy > 0 else 1, across + 1):
-                    near = closeness[abs(dx)] + closeness[dy]
-                    sums = _weigh(sums, picture, above + x - dx, plane, l0, a0, b0, near, falloff)
-                    sums = _weigh(sums, picture, below + x + dx, plane, l0, a0, b0, near, falloff)
+                    near = spatial_exponents[abs(dx)] + spatial_exponents[dy]
+                    sums = _weigh(sums, picture, above + x - dx, plane, l0, a0, b0, near, range_exponent)
+                    sums = _weigh(sums, picture, below + x + dx, plane, l0, a0, b0, near, range_exponent)
             dl, da, db, weight = sums
             over = select(alpha > 0.0, 1.0 / weight, 0.0)
             store(smoothed, row + x, l0 + over * dl)
@@ -180,9 +195,11 @@ def _smooth(
 
 
 @inlined
-def _weigh(sums: Any, picture: Any, i: int, plane: int, l0: Any, a0: Any, b0: Any, near: Any, falloff: Any) -> Any:
+def _weigh(
+    sums: Any, picture: Any, i: int, plane: int, l0: Any, a0: Any, b0: Any, near: Any, range_exponent: Any
+) -> Any:
     """Add a neighbour of each pixel, weighted by alpha, distance and colour; sums of differences round the least."""
     dl, da, db, weight = sums
     el, ea, eb = load(picture, i) - l0, load(picture, i + plane) - a0, load(picture, i + 2 * plane) - b0
-    w = load(picture, i + 3 * plane) * exp2_weight(near + falloff * (el * el + ea * ea + eb * eb))
+    w = load(picture, i + 3 * plane) * exp2_weight(near + range_exponent * (el * el + ea * ea + eb * eb))
     return dl + w * el, da + w * ea, db + w * eb, weight + w

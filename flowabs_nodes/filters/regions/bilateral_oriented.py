@@ -9,9 +9,9 @@ import numpy.typing as npt
 
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import validate
-from flowabs_nodes.filters.regions.bilateral_line import pass_on_lines
-from flowabs_nodes.filters.regions.range_weights import in_turn, partial_coverage
-from flowabs_nodes.sampling.coords import frame_of
+from flowabs_nodes.filters.regions.bilateral_line import line_pass
+from flowabs_nodes.filters.regions.range_weights import partial_coverage, smooth_by_passes
+from flowabs_nodes.sampling.coords import raster_of
 from flowabs_nodes.sampling.modes import SAMPLINGS
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined, kernel
@@ -80,14 +80,14 @@ def bilateral_oriented(
     iterations = validate.whole("iterations", iterations, min=0)
     arc = validate.choice("kernel", kernel, KERNELS) == "arc"
     bilinear = validate.choice("sampling", sampling, SAMPLINGS) == "bilinear"
-    covered, frame = partial_coverage(alpha, codes), frame_of(codes)
+    covered, raster = partial_coverage(alpha, codes), raster_of(codes)
     passes = []
     if sigma_e > 0:
         kappa = curvature(flow) if arc else None
-        passes.append(pass_on_lines(flow, False, kappa, sigma_e, r_e, bilinear, covered, frame))
+        passes.append(line_pass(flow, False, kappa, sigma_e, r_e, bilinear, covered, raster))
     if sigma_g > 0:
-        passes.append(pass_on_lines(flow, True, None, sigma_g, r_g, bilinear, covered, frame))
-    return in_turn(codes, covered, frame, passes, iterations)
+        passes.append(line_pass(flow, True, None, sigma_g, r_g, bilinear, covered, raster))
+    return smooth_by_passes(codes, covered, raster, passes, iterations)
 
 
 def curvature(flow: Array) -> npt.NDArray[np.float64]:

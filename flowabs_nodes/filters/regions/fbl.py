@@ -9,27 +9,35 @@ import numpy.typing as npt
 
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import validate
-from flowabs_nodes.filters.regions.bilateral_line import pass_on_lines
+from flowabs_nodes.filters.regions.bilateral_line import line_pass
 from flowabs_nodes.filters.regions.range_weights import (
     Pass,
-    add,
-    closeness,
-    color,
-    falloff,
-    floats_of,
-    keep,
-    kept,
-    mean,
-    on_records,
-    only,
+    add_sample,
+    as_records,
+    load_color,
+    load_sums,
     partial_coverage,
-    records_of,
+    range_exponent,
+    record_size,
+    run_passes,
+    spatial_exponents,
+    start_sums,
+    store_mean,
+    store_sums,
 )
-from flowabs_nodes.sampling.chain_code import follow, written_walks
-from flowabs_nodes.sampling.coords import Frame, frame_of, padded
+from flowabs_nodes.sampling.chain_code import decode_offsets, encode_streamlines
+from flowabs_nodes.sampling.coords import Raster, padded_rows, raster_of
 from flowabs_nodes.sampling.modes import SAMPLINGS
-from flowabs_nodes.sampling.samples import expect, find, new_points, read, row_below
-from flowabs_nodes.sampling.streamline import ALL, advance, column, expect_tangents, new_walks, set_out, turn
+from flowabs_nodes.sampling.samples import locate, new_sample_coords, prefetch_rows, row_below, sample
+from flowabs_nodes.sampling.streamline import (
+    BATCH,
+    advance,
+    block_column,
+    new_streamlines,
+    prefetch_tangents,
+    start,
+    turn,
+)
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import kernel
 from flowabs_nodes.simd.lanes import LANES
@@ -85,29 +93,29 @@ def fbl(
     r_g = validate.number("r_g", r_g, above=0)
     iterations = validate.whole("iterations", iterations, min=0)
     bilinear = validate.choice("sampling", sampling, SAMPLINGS) == "bilinear"
-    covered, frame = partial_coverage(alpha, codes), frame_of(codes)
+    covered, raster = partial_coverage(alpha, codes), raster_of(codes)
     passes = []
     if sigma_e > 0 and iterations > 0:
-        passes.append(_pass_along(flow, sigma_e, r_e, bilinear, covered, frame))
+        passes.append(_pass_along(flow, sigma_e, r_e, bilinear, covered, raster))
     if sigma_g > 0:
-        passes.append(pass_on_lines(flow, True, None, sigma_g, r_g, bilinear, covered, frame))
-    picture = records_of(codes, covered, frame)
+        passes.append(line_pass(flow, True, None, sigma_g, r_g, bilinear, covered, raster))
+    picture = as_records(codes, covered, raster)
     del codes  # their memory is free for the passes if nobody else holds them
-    return on_records(picture, frame, passes, iterations)
+    return run_passes(picture, raster, passes, iterations)
 
 
-def _pass_along(flow: Array, sigma: float, r: float, bilinear: bool, alpha: Array | None, frame: Frame) -> Pass:
+def _pass_along(flow: Array, sigma: float, r: float, bilinear: bool, alpha: Array | None, raster: Raster) -> Pass:
     """C_e, eq. 12: along walks that are written down, where they can be."""
-    tangents, near, like = padded(flow, frame).view(np.complex64), closeness(sigma), falloff(r)
+    tangents, near, like = padded_rows(flow, raster).view(np.complex64), spatial_exponents(sigma), range_exponent(r)
     by_alpha = None if alpha is None else True
-    moves = None if bilinear else written_walks(tangents, near.size - 1, frame)
+    chain = None if bilinear else encode_streamlines(tangents, near.size - 1, raster)
 
     def smooth(picture: Array, smoothed: Array) -> None:
-        if moves is not None:
-            over_rows(_along_moves, frame.height, picture, moves, near, like, by_alpha, frame, smoothed)
+        if chain is not None:
+            over_rows(_along_moves, raster.height, picture, chain, near, like, by_alpha, raster, smoothed)
         else:
             marks = True if bilinear else None, by_alpha
-            over_rows(_along_walks, frame.height, picture, tangents, near, like, *marks, frame, smoothed)
+            over_rows(_along_walks, raster.height, picture, tangents, near, like, *marks, raster, smoothed)
 
     return smooth
 
@@ -117,32 +125,32 @@ def _along_moves(
     first: int,
     last: int,
     picture: Any,
-    moves: Any,
-    closeness: Any,
-    falloff: float,
+    chain: Any,
+    spatial_exponents: Any,
+    range_exponent: float,
     alpha: Any,
-    frame: Frame,
+    raster: Raster,
     smoothed: Any,
 ) -> None:
     """Eq. 12 along walks that are written down, two times sixteen pixels at a time."""
-    points, size, steps = new_points(), floats_of(alpha), closeness.size - 1
-    below = row_below(frame, size)
+    coords, size, steps = new_sample_coords(), record_size(alpha), spatial_exponents.size - 1
+    below = row_below(raster, size)
     for y in range(first, last):
-        for x0 in range(0, frame.stride, 2 * LANES):
+        for x0 in range(0, raster.stride, 2 * LANES):
             for block in range(2):
-                x = min(x0 + block * LANES, frame.stride - LANES)
-                expect(picture, smoothed, x, y, steps + 1, frame, size)
-                follow(moves, steps, x, y, frame, size, points.place, block * 2 * steps * LANES)
+                x = min(x0 + block * LANES, raster.stride - LANES)
+                prefetch_rows(picture, smoothed, x, y, steps + 1, raster, size)
+                decode_offsets(chain, steps, x, y, raster, size, coords.place, block * 2 * steps * LANES)
             for block in range(2):
-                pixel = y * frame.stride + min(x0 + block * LANES, frame.stride - LANES)
-                centre = color(picture, pixel, alpha)
-                sums = only(centre)
+                pixel = y * raster.stride + min(x0 + block * LANES, raster.stride - LANES)
+                centre = load_color(picture, pixel, alpha)
+                sums = start_sums(centre)
                 for s in range(1, steps + 1):
                     for way in range(2):
                         at = (2 * (block * steps + s - 1) + way) * LANES
-                        there = read(picture, below, points, at, None, alpha)
-                        sums = add(sums, centre, there, closeness[s], falloff, alpha)
-                mean(sums, centre, smoothed, pixel, alpha)
+                        there = sample(picture, below, coords, at, None, alpha)
+                        sums = add_sample(sums, centre, there, spatial_exponents[s], range_exponent, alpha)
+                store_mean(sums, centre, smoothed, pixel, alpha)
 
 
 @kernel
@@ -151,39 +159,46 @@ def _along_walks(
     last: int,
     picture: Any,
     flow: Any,
-    closeness: Any,
-    falloff: float,
+    spatial_exponents: Any,
+    range_exponent: float,
     bilinear: Any,
     alpha: Any,
-    frame: Frame,
+    raster: Raster,
     smoothed: Any,
 ) -> None:
     """Eq. 12 along walks as they are taken."""
-    walks, points, size, steps = new_walks(), new_points(), floats_of(alpha), closeness.size - 1
+    curves, coords, size, steps = (
+        new_streamlines(),
+        new_sample_coords(),
+        record_size(alpha),
+        spatial_exponents.size - 1,
+    )
     so_far = scratch(np.float32, 16)  # the sums of four times sixteen pixels
-    below = row_below(frame, size)
+    below = row_below(raster, size)
     for y in range(first, last):
-        for x0 in range(0, frame.stride, ALL // 2):
-            set_out(walks, flow, x0, y, frame)
-            for at in range(0, ALL, 2 * LANES):
-                x = column(x0, at, frame)
-                expect(picture, smoothed, x, y, steps + 1, frame, size)
-                expect_tangents(flow, x, y, steps + 1, frame)
-                keep(so_far, at // (2 * LANES), only(color(picture, y * frame.stride + x, alpha)))
+        for x0 in range(0, raster.stride, BATCH // 2):
+            start(curves, flow, x0, y, raster)
+            for at in range(0, BATCH, 2 * LANES):
+                x = block_column(x0, at, raster)
+                prefetch_rows(picture, smoothed, x, y, steps + 1, raster, size)
+                prefetch_tangents(flow, x, y, steps + 1, raster)
+                store_sums(so_far, at // (2 * LANES), start_sums(load_color(picture, y * raster.stride + x, alpha)))
             for s in range(1, steps + 1):
-                for at in range(0, ALL, LANES):
-                    x = column(x0, at, frame)
-                    advance(walks, at, x, y, frame)
-                    find(points, at, load(walks.dx, at), load(walks.dy, at), x, y, frame, size, bilinear)
-                for at in range(0, ALL, 2 * LANES):
-                    centre = color(picture, y * frame.stride + column(x0, at, frame), alpha)
-                    sums = kept(so_far, at // (2 * LANES))
+                for at in range(0, BATCH, LANES):
+                    x = block_column(x0, at, raster)
+                    advance(curves, at, x, y, raster)
+                    locate(coords, at, load(curves.dx, at), load(curves.dy, at), x, y, raster, size, bilinear)
+                for at in range(0, BATCH, 2 * LANES):
+                    centre = load_color(picture, y * raster.stride + block_column(x0, at, raster), alpha)
+                    sums = load_sums(so_far, at // (2 * LANES))
                     for way in range(2):
-                        there = read(picture, below, points, at + way * LANES, bilinear, alpha)
-                        sums = add(sums, centre, there, closeness[s], falloff, alpha)
-                    keep(so_far, at // (2 * LANES), sums)
+                        there = sample(picture, below, coords, at + way * LANES, bilinear, alpha)
+                        sums = add_sample(sums, centre, there, spatial_exponents[s], range_exponent, alpha)
+                    store_sums(so_far, at // (2 * LANES), sums)
                 if s < steps:
-                    turn(walks, flow)
-            for at in range(0, ALL, 2 * LANES):
-                pixel = y * frame.stride + column(x0, at, frame)
-                mean(kept(so_far, at // (2 * LANES)), color(picture, pixel, alpha), smoothed, pixel, alpha)
+                    turn(curves, flow)
+            for at in range(0, BATCH, 2 * LANES):
+                pixel = y * raster.stride + block_column(x0, at, raster)
+                store_mean(
+                    load_sums(so_far, at // (2 * LANES)), load_color(picture, pixel, alpha), smoothed, pixel, alpha
+                )

@@ -10,9 +10,9 @@ from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import validate
 from flowabs_nodes.simd.finite import refuse_non_finite
 from flowabs_nodes.simd.jit import inlined, kernel
-from flowabs_nodes.simd.lanes import floor, from_doubles, maximum, minimum, rint, same_floats, select, to_doubles
+from flowabs_nodes.simd.lanes import floor, from_doubles, maximum, minimum, rint, select, splat_floats, to_doubles
 from flowabs_nodes.simd.memory import load, store
-from flowabs_nodes.simd.pixelwise import doubt, doubtful, first_of, new_run, over_pixels, picture_of, run_of
+from flowabs_nodes.simd.pixelwise import any_nan, as_picture, as_run, empty_run, first_pixel, over_pixels, zero_or_nan
 
 Steps = tuple[float, float]  # levels per L*, and softness
 
@@ -45,21 +45,21 @@ def quantize(lstar: npt.ArrayLike, levels: int = 8, softness: float = 0.0) -> Ar
     lstar = validate.plane("lstar", lstar, check_finite=False)
     levels = validate.whole("levels", levels, min=1)
     softness = validate.number("softness", softness, min=0, max=1)
-    run, flat = run_of(lstar), new_run(lstar.size)
+    run, flat = as_run(lstar), empty_run(lstar.size)
     if any(over_pixels(_quantize, run.size, run, (levels / 100, softness), flat)):
         refuse_non_finite("lstar", lstar)
-    return picture_of(flat, *lstar.shape)
+    return as_picture(flat, *lstar.shape)
 
 
 @kernel
 def _quantize(first: int, last: int, lstar: Any, steps: Steps, flat: Any) -> Any:
-    total = same_floats(0.0)
+    total = splat_floats(0.0)
     for block in range(first, last):
-        i = first_of(block, lstar.size)
+        i = first_pixel(block, lstar.size)
         lightness = load(lstar, i)
-        total = total + doubt(lightness)
+        total = total + zero_or_nan(lightness)
         store(flat, i, middle(lightness, steps))
-    return doubtful(total)
+    return any_nan(total)
 
 
 @inlined

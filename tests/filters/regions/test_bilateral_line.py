@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flowabs_nodes.filters.regions.bilateral_line import pass_on_lines
-from flowabs_nodes.filters.regions.range_weights import in_turn
-from flowabs_nodes.sampling.coords import frame_of
+from flowabs_nodes.filters.regions.bilateral_line import line_pass
+from flowabs_nodes.filters.regions.range_weights import smooth_by_passes
+from flowabs_nodes.sampling.coords import raster_of
 from tests.filters.flows import random_flow
 
 RANDOM = np.random.default_rng(8)
@@ -18,8 +18,8 @@ FLOW = random_flow((13, 70))
 
 
 def smoothed(flow: Any, across: bool, kappa: Any, sigma: float, bilinear: bool) -> Any:
-    frame = frame_of(CODES)
-    return in_turn(CODES, None, frame, [pass_on_lines(flow, across, kappa, sigma, 50, bilinear, None, frame)], 1)
+    frame = raster_of(CODES)
+    return smooth_by_passes(CODES, None, frame, [line_pass(flow, across, kappa, sigma, 50, bilinear, None, frame)], 1)
 
 
 @pytest.mark.parametrize("bilinear", [False, True])
@@ -49,6 +49,6 @@ def test_a_parabola_bends_towards_its_normal() -> None:
     kappa = np.full(CODES.shape[:2], 0.5)
     spot = np.zeros_like(CODES)
     spot[6, 30] = 1
-    frame = frame_of(spot)
-    passed = in_turn(spot, None, frame, [pass_on_lines(flow, False, kappa, 0.5, 50, False, None, frame)], 1)
+    frame = raster_of(spot)
+    passed = smooth_by_passes(spot, None, frame, [line_pass(flow, False, kappa, 0.5, 50, False, None, frame)], 1)
     assert sorted(zip(*np.nonzero(passed[..., 0] > 0), strict=True)) == [(5, 28), (5, 32), (6, 29), (6, 30), (6, 31)]

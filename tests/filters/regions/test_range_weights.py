@@ -10,20 +10,20 @@ from numba import njit
 
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters.regions.range_weights import (
-    add,
-    closeness,
-    color,
+    add_sample,
     coverage,
-    falloff,
-    floats_of,
-    in_turn,
-    keep,
-    kept,
-    mean,
-    only,
+    load_color,
+    load_sums,
     partial_coverage,
+    range_exponent,
+    record_size,
+    smooth_by_passes,
+    spatial_exponents,
+    start_sums,
+    store_mean,
+    store_sums,
 )
-from flowabs_nodes.sampling.coords import frame_of
+from flowabs_nodes.sampling.coords import raster_of
 from flowabs_nodes.simd.lanes import LANES
 from flowabs_nodes.simd.memory import scratch
 
@@ -31,13 +31,24 @@ RANDOM = np.random.default_rng(7)
 
 
 @njit(error_model="numpy")
-def _mean(picture: Any, closeness: Any, falloff: float, alpha: Any, smoothed: Any) -> None:
+def _mean(picture: Any, spatial_exponents: Any, range_exponent: float, alpha: Any, smoothed: Any) -> None:
     """Of the first sixteen records, with the next sixteen, and the sixteen after those."""
-    so_far, centre = scratch(np.float32, 8), color(picture, 0, alpha)
-    keep(so_far, 1, only(centre))
+    so_far, centre = scratch(np.float32, 8), load_color(picture, 0, alpha)
+    store_sums(so_far, 1, start_sums(centre))
     for k in range(1, 3):
-        keep(so_far, 1, add(kept(so_far, 1), centre, color(picture, k * LANES, alpha), closeness[k], falloff, alpha))
-    mean(kept(so_far, 1), centre, smoothed, 0, alpha)
+        store_sums(
+            so_far,
+            1,
+            add_sample(
+                load_sums(so_far, 1),
+                centre,
+                load_color(picture, k * LANES, alpha),
+                spatial_exponents[k],
+                range_exponent,
+                alpha,
+            ),
+        )
+    store_mean(load_sums(so_far, 1), centre, smoothed, 0, alpha)
 
 
 @pytest.mark.parametrize("size", [3, 4])
@@ -47,7 +58,9 @@ def test_weighted_means(size: int) -> None:
     if size == 4:
         alpha = picture[..., 3:] = np.where(RANDOM.random((3, LANES, 1)) < 0.4, 0, RANDOM.random((3, LANES, 1)))
     smoothed = np.zeros((LANES, size), np.float32)
-    _mean(picture.reshape(-1), closeness(2), falloff(30), None if size == 3 else True, smoothed.reshape(-1))
+    _mean(
+        picture.reshape(-1), spatial_exponents(2), range_exponent(30), None if size == 3 else True, smoothed.reshape(-1)
+    )
     colors = picture[..., :3].astype(np.float64)
     distance = np.linalg.norm(colors - colors[0], axis=-1, keepdims=True)
     weights = alpha * np.exp(-(np.arange(3).reshape(3, 1, 1) ** 2) / 8) * np.exp(-(distance**2) / 1800)
@@ -59,7 +72,7 @@ def test_weighted_means(size: int) -> None:
 
 
 def test_floats_of_a_record() -> None:
-    assert [njit(floats_of.py_func)(alpha) for alpha in (None, True)] == [3, 4]
+    assert [njit(record_size.py_func)(alpha) for alpha in (None, True)] == [3, 4]
 
 
 @pytest.mark.parametrize("shape", [(3, 20), (4, 5), (1, 1)])
@@ -75,11 +88,11 @@ def test_passes_take_turns(shape: tuple[int, int], with_alpha: bool) -> None:
 
         return smooth
 
-    result = in_turn(codes, alpha, frame_of(codes), [adding(1), adding(20)], 3)
+    result = smooth_by_passes(codes, alpha, raster_of(codes), [adding(1), adding(20)], 3)
     assert calls == [1, 20] * 3
     assert result.flags.c_contiguous
     np.testing.assert_allclose(result, codes + 63, rtol=1e-6)
-    same = in_turn(codes, alpha, frame_of(codes), [adding(1)], 0)
+    same = smooth_by_passes(codes, alpha, raster_of(codes), [adding(1)], 0)
     np.testing.assert_array_equal(same, codes)
     assert not np.shares_memory(same, codes)
 
@@ -93,7 +106,7 @@ def test_records_have_the_alpha_that_counts(width: int) -> None:
         seen.append(picture[:-2].reshape(2, -1, 4)[:, :width].copy())
         smoothed[:] = picture
 
-    result = in_turn(codes, alpha, frame_of(codes), [look], 1)
+    result = smooth_by_passes(codes, alpha, raster_of(codes), [look], 1)
     np.testing.assert_array_equal(seen[0][..., :3], codes)
     np.testing.assert_array_equal(seen[0][..., 3], np.where(alpha > 1e-20, alpha, 0))
     np.testing.assert_array_equal(result, codes)
