@@ -1,7 +1,7 @@
 """Readings of a picture of records at points near each of sixteen pixels: at the nearest pixel, or bilinearly.
 
 Where to read is written down for many samples (:class:`SampleCoords`) before the first is taken, so that they need
-not wait for each other. ``bilinear`` is None or not, as ``alpha`` in :mod:`~flowabs_nodes.filters.regions.range_weights`.
+not wait for each other. ``bilinear`` is None or not, by which numba leaves out what does not happen.
 """
 
 from __future__ import annotations
