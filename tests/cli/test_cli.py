@@ -1,4 +1,4 @@
-"""The command line, with the engine played by a stand-in; tests/test_run.py runs the real one."""
+"""The command line, with the engine played by a stand-in; tests/cli/test_run.py runs the real one."""
 
 import json
 import os
@@ -12,9 +12,9 @@ import jsonschema
 import pytest
 
 import flowabs_nodes
-from flowabs_nodes import cli, engine
+from flowabs_nodes import cli
 from flowabs_nodes.cli import progress
-from flowabs_nodes.engine.job import EXISTING
+from flowabs_nodes.engine.options import EXISTING, RunOptions
 from flowabs_nodes.engine.profile import NodeTime
 from flowabs_nodes.engine.report import (
     FrameReport,
@@ -28,10 +28,10 @@ from flowabs_nodes.engine.report import (
 from flowabs_nodes.errors import CommandError, FlowabsError, ReadError, WriteError
 from flowabs_nodes.graph.problems import GraphError, Problem
 from flowabs_nodes.io.sequences import MISSING
-from flowabs_nodes.io.settings import Settings
 from flowabs_nodes.simd import target
 
 ROOT = Path(__file__).resolve().parents[2]
+RENDER_SEQUENCE = "flowabs_nodes.engine.render_sequence.render_sequence"
 
 
 @pytest.fixture
@@ -59,22 +59,22 @@ PROFILE = (NodeTime("flow", "etf", 2, 3.0, 2.0), NodeTime("lines", "fdog", 2, 1.
 
 @pytest.fixture
 def fake_run(monkeypatch):
-    """The engine's run, which notes how it is called, tells of two frames and returns a report."""
+    """In place of render_sequence: remembers how it is called, tells of two frames and returns a report."""
     calls = []
 
-    def run(graph, *, on_event, **options):
-        calls.append({"graph": graph, **options})
+    def render_sequence(graph, options, *, profile, on_event):
+        calls.append((graph, options, profile))
         on_event(start_event("toon", 2))
         on_event(note_event(Note("soft: fbl@1 read as fbl@2")))
         for frame in (DONE, FAILED):
             for note in frame.notes:
                 on_event(note_event(note, frame.frame))
             on_event(frame_event(frame))
-        report = Report((DONE, FAILED), 1, 2.0, profile=PROFILE if options["profile"] else None)
+        report = Report((DONE, FAILED), 1, 2.0, profile=PROFILE if profile else None)
         on_event(end_event(report))
         return report
 
-    monkeypatch.setattr(engine, "run", run)
+    monkeypatch.setattr(RENDER_SEQUENCE, render_sequence)
     return calls
 
 
@@ -96,28 +96,24 @@ def test_run_hands_everything_over(flowabs, fake_run, tmp_path):
     arguments += ["--existing", "overwrite", "--missing", "hold", "--scale", "0.5", "--profile"]
     arguments += ["--root", tmp_path, "--max-pixels", "100", "--ocio", "studio.ocio"]
     assert flowabs("run", "abstraction", *arguments)[0] == 1
-    assert fake_run == [
-        {
-            "graph": "abstraction",
-            "input": "in.####.exr",
-            "output": ["out.####.exr", "out.####.png"],
-            "frames": "1001-1002",
-            "set": {"line_width": 1.5, "lines.kernel": "full", "comp.ink": [1, 0, 0], "a": "b=c"},
-            "scale": 0.5,
-            "existing": "overwrite",
-            "missing": "hold",
-            "profile": True,
-            "settings": Settings(max_pixels=100, ocio="studio.ocio", root=tmp_path),
-        }
-    ]
+    options = RunOptions(
+        input="in.####.exr",
+        output=("out.####.exr", "out.####.png"),
+        frames="1001-1002",
+        set={"line_width": 1.5, "lines.kernel": "full", "comp.ink": [1, 0, 0], "a": "b=c"},
+        scale=0.5,
+        existing="overwrite",
+        missing="hold",
+        max_pixels=100,
+        ocio="studio.ocio",
+        root=tmp_path,
+    )
+    assert fake_run == [("abstraction", options, True)]
 
 
 def test_run_without_options(flowabs, fake_run):
     flowabs("run", "lines")
-    (call,) = fake_run
-    assert call["input"] is call["output"] is call["frames"] is call["set"] is call["missing"] is None
-    assert (call["scale"], call["existing"], call["profile"]) == (1.0, "resume", False)
-    assert call["settings"] == Settings()
+    assert fake_run == [("lines", RunOptions(output=(), set={}), False)]
 
 
 def test_a_log_has_a_line_a_frame(flowabs, fake_run):
@@ -187,10 +183,10 @@ def test_a_terminal_has_a_bar(flowabs, fake_run, monkeypatch):
 )
 @pytest.mark.parametrize("as_json", [False, True])
 def test_errors_are_said_and_leave_an_exit_code(flowabs, monkeypatch, error, code, as_json):
-    def run(*_, **__):
+    def render_sequence(*_, **__):
         raise error
 
-    monkeypatch.setattr(engine, "run", run)
+    monkeypatch.setattr(RENDER_SEQUENCE, render_sequence)
     found, out, err = flowabs("run", "lines", *(["--json"] if as_json else []))
     assert found == code
     assert err.startswith(f"flowabs: {error}")
@@ -232,13 +228,14 @@ def test_the_words_of_the_options_are_the_engines():
 
 STOPPED = """
 import os, signal, sys, time
-from flowabs_nodes import cli, engine
+from flowabs_nodes import cli
+from flowabs_nodes.engine import render_sequence
 
-def run(*_, **__):
+def stopped(*_, **__):
     os.kill(os.getpid(), int(sys.argv[1]))
     time.sleep(30)
 
-engine.run = run
+render_sequence.render_sequence = stopped
 sys.exit(cli.main(["run", "lines"]))
 """
 

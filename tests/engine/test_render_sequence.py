@@ -13,9 +13,10 @@ import pytest
 from flowabs_nodes import engine
 from flowabs_nodes.engine import evaluate as evaluate_module
 from flowabs_nodes.engine import render_frame as frame_module
-from flowabs_nodes.engine.call_node import apply
-from flowabs_nodes.engine.job_builder import prepare
-from flowabs_nodes.engine.render_frame import run_frame
+from flowabs_nodes.engine.call_node import call_node
+from flowabs_nodes.engine.job_builder import build_job
+from flowabs_nodes.engine.options import RunOptions
+from flowabs_nodes.engine.render_frame import render_frame
 from flowabs_nodes.engine.signals import stop_on_signals
 from flowabs_nodes.errors import CommandError, FlowabsError, WriteError
 from flowabs_nodes.io.frame_lock import HOST, claim
@@ -82,9 +83,9 @@ def test_a_frame_is_claimed_while_its_nodes_run(shot, out, tmp_path, monkeypatch
 
     def looks(*arguments, **options):
         seen.append(leftovers(tmp_path))
-        return apply(*arguments, **options)
+        return call_node(*arguments, **options)
 
-    monkeypatch.setattr(evaluate_module, "apply", looks)
+    monkeypatch.setattr(evaluate_module, "call_node", looks)
     run(shot, out, frames=2)
     assert seen
     assert all([path.name.startswith(".toon.0002.exr.") for path in found] == [True] for found in seen)
@@ -374,6 +375,20 @@ def test_a_graph_that_writes_nothing(shot):
     assert failure.value.code == "no-write"
 
 
+def test_an_option_that_does_not_exist_is_refused(shot, out):
+    with pytest.raises(TypeError, match="frame_range"):
+        run(shot, out, frame_range="1-3")
+
+
+def test_settings_may_be_given_in_one_object_or_each_by_itself(shot, out, tmp_path):
+    elsewhere = tmp_path / "elsewhere"
+    for options in ({"settings": Settings(root=elsewhere)}, {"root": elsewhere}):
+        with pytest.raises(CommandError) as failure:
+            run(shot, out, **options)
+        assert failure.value.code == "outside-root"
+    assert run(shot, out, settings=Settings(root=elsewhere), root=tmp_path).exit_code == 0, "what is given itself wins"
+
+
 def test_files_may_be_set_by_name(shot, out):
     assert run(None, None, set={"plate.file": shot, "out.file": out}, frames=1).exit_code == 0
 
@@ -417,11 +432,20 @@ def test_profile(shot, out):
 
 def test_a_frame_can_be_made_by_another_process(shot, out):
     graph = engine.load_graph(document())
-    job, frames = prepare(graph, input=shot, output=out, existing="resume")
+    job, frames = build_job(graph, RunOptions(input=shot, output=out))
     again = pickle.loads(pickle.dumps(job))
-    report = pickle.loads(pickle.dumps(run_frame(again, frames[0])))
+    report = pickle.loads(pickle.dumps(render_frame(again, frames[0])))
     assert report.status == "done"
-    assert run_frame(job, frames[0]).status == "skipped"
+    assert render_frame(job, frames[0]).status == "skipped"
+
+
+def test_a_job_is_small_however_many_frames_there_are_and_holds_every_rule(shot, out):
+    rules = {"existing": "overwrite", "missing": "hold", "scale": 0.5, "max_pixels": 10_000}
+    options = RunOptions(input=shot, output=out, frames=range(1, 10_001), set={"stops": 2}, **rules)
+    job, frames = build_job(engine.load_graph(document()).with_set(options.set), options)
+    assert len(frames) == 10_000
+    assert len(pickle.dumps(job)) < 2000
+    assert pickle.loads(pickle.dumps(job)).options == RunOptions(**rules)
 
 
 def test_ten_thousand_frames_hold_no_image(tmp_path, out):
@@ -452,10 +476,10 @@ def test_what_is_wrong_with_a_graph_but_does_not_keep_it_from_running_is_said(sh
 
 
 def test_a_warning_about_thin_lines_is_said_once(shot, out):
-    def passes(context, image, *, sigma_c):
+    def passes(context, image, *, width):
         return image
 
-    graph = graph_around(passes, Param.float("sigma_c", 1.0, min=0.1, unit="px", help="Width."))
+    graph = graph_around(passes, Param.float("width", 1.0, min=0.1, unit="px", thin_below=1, help="Width."))
     events = []
     run(shot, out, graph, scale=0.5, on_event=events.append)
-    assert sum("sigma_c" in event.get("text", "") for event in events) == 1
+    assert sum("width is 0.5 px" in event.get("text", "") for event in events) == 1
