@@ -1,4 +1,4 @@
-"""The one exception family. Each error says where, what was found, what was expected, the nearest right name."""
+"""Defines the one exception family: each error says where, what was found and expected, and the nearest right name."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class FlowabsError(Exception):
         self.parameter = parameter
 
     def at(self, *, file: str | None = None, frame: int | None = None, node: str | None = None) -> FlowabsError:
-        """Add the place where it is not known yet, and return the same error (``raise error.at(node="flow")``)."""
+        """Add what is not known yet of the place, and return the same error (``raise error.at(node="flow")``)."""
         self.file = self.file if self.file is not None else file
         self.frame = self.frame if self.frame is not None else frame
         self.node = self.node if self.node is not None else node
@@ -63,7 +63,7 @@ class FlowabsError(Exception):
         return f"{text} ({self.hint})" if self.hint else text
 
     def to_dict(self) -> dict[str, Any]:
-        """The same as plain data, for ``--json``; keys without a value are left out."""
+        """Return the error as plain data, for ``--json``; keys without a value are left out."""
         fields = {
             "code": self.code,
             "message": self.message,
@@ -107,7 +107,7 @@ class CommandError(FlowabsError):
 
 
 def nearest(name: object, known: Iterable[str]) -> str:
-    """A hint for a name that is not known: the nearest right one, or all of them where none is near."""
+    """Return a hint for a name that is not known: the nearest right name, or all names where none is near."""
     names = sorted(set(known))
     close = difflib.get_close_matches(str(name)[:200], names, 1)
     if close:

@@ -5,7 +5,7 @@ import pytest
 
 from flowabs_nodes import color, filters
 from flowabs_nodes.color import codes as encodings
-from flowabs_nodes.engine.call_node import apply
+from flowabs_nodes.engine.call_node import call_node
 from flowabs_nodes.finishing.deferred import Deferred
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes import catalogue
@@ -33,7 +33,7 @@ def smoothed(image, space):
 def node(name, image, **inputs_and_params):
     inputs = {name: value for name, value in inputs_and_params.items() if isinstance(value, Image)}
     params = {name: value for name, value in inputs_and_params.items() if name not in inputs}
-    return apply(catalogue()[name], Context(), {"image": image, **inputs}, params)["image"]
+    return call_node(catalogue()[name], Context(), {"image": image, **inputs}, params)["image"]
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""The command line. This file: the commands together, and how whatever goes wrong leaves the process.
+"""The command line: gathers the commands, and turns whatever goes wrong into a message and an exit code.
 
 Exit codes: 0 all is well; 1 a frame is missing, damaged, claimed, or not written; 2 the graph or the command is wrong;
 130, 143 stopped by a signal.
@@ -25,7 +25,8 @@ from flowabs_nodes.engine.signals import Stopped, stop_on_signals
 from flowabs_nodes.errors import FlowabsError, ReadError, WriteError
 
 
-def _version(context: click.Context, option: click.Parameter, value: bool) -> None:
+def _show_version(context: click.Context, option: click.Parameter, value: bool) -> None:
+    """Print the version and the kernel path, and end, where ``--version`` is given."""
     if value:
         from flowabs_nodes.simd.target import PATH
 
@@ -39,7 +40,7 @@ def _version(context: click.Context, option: click.Parameter, value: bool) -> No
     is_flag=True,
     expose_value=False,
     is_eager=True,
-    callback=_version,
+    callback=_show_version,
     help="Show the version, and which vector instructions the kernels use.",
 )
 def cli() -> None:
@@ -54,12 +55,14 @@ for command in (run, check, nodes, schema, graphs):
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command; the process's exit code."""
+    """Run a command, and return the exit code of the process.
+
+    Errors are told on stderr, without a traceback. ``arguments`` default to those of the process.
+    """
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
-            stream.reconfigure(
-                errors="backslashreplace"
-            )  # a file's name may be no text; an old terminal has few letters
+            # A file's name may be no text, and an old terminal has few letters.
+            stream.reconfigure(errors="backslashreplace")
     try:
         with stop_on_signals():
             code = cli.main(arguments, prog_name="flowabs", standalone_mode=False)
@@ -79,17 +82,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def script() -> NoReturn:
-    """The process of ``flowabs``: runs the command, and ends."""
+    """Run the command that the process was started with, and end the process."""
     gc.set_threshold(10_000)  # imports and compilation make many objects, and hardly any of them garbage
     code = main()
     others = (thread for thread in threading.enumerate() if thread is not threading.main_thread())
     if not all(thread.daemon or thread.name.startswith("flowabs") for thread in others):
-        sys.exit(code)  # after a foreign node's threads
-    # To take all modules apart, object by object, would last longer than a picture of 512 x 512.
+        sys.exit(code)  # waits for the threads of a foreign node
+    # Python's own exit takes all modules apart, object by object: that lasts longer than a picture of 512 x 512.
     atexit._run_exitfuncs()
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()
-        except OSError:  # nobody reads it any more
+        except OSError:  # the reader has gone
             code = code or 1
     os._exit(code)

@@ -1,4 +1,4 @@
-"""``flowabs check``: everything that is wrong with a graph."""
+"""``flowabs check``: says everything that is wrong with a graph."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What there is: ``flowabs nodes``, ``flowabs schema``, ``flowabs graphs``."""
+"""``flowabs nodes``, ``flowabs schema``, ``flowabs graphs``: list what there is to use."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def graphs() -> None:
 
 
 def _range(knob: Knob) -> str:
-    """ "0.5 to 2.5 px (1.0)": the range and, in brackets, the default."""
+    """Return a knob's range and, in brackets, its default: "0.5 to 2.5 px (1.0)"."""
     ends = f"{knob.min:g} to {knob.max:g}" if knob.min is not None and knob.max is not None else knob.param.expected
     words = " | ".join(knob.choices) if knob.choices else ends if knob.type in ("float", "int") else knob.type
     return f"{words}{' ' + knob.unit if knob.unit else ''} ({json.dumps(knob.default)})"

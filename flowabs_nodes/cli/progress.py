@@ -1,4 +1,4 @@
-"""How a run is shown: a bar on a terminal, a line a frame in a log, one event a line for programs."""
+"""Shows how a run goes: a bar on a terminal, a line a frame in a log, one event a line for programs."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ Event = dict[str, Any]
 
 
 def on_a_terminal() -> bool:
-    """Whether a person watches; a log that only one of the two goes to still gets its lines."""
+    """Return True where stdout and stderr both go to a terminal; if one is a log, that log still gets its lines."""
     return sys.stdout.isatty() and sys.stderr.isatty()
 
 
 class Lines:
-    """One line a frame on stdout, with what was noted about it before; what failed is on stderr."""
+    """Show a line a frame on stdout, after the notes on this frame; failures and warnings go to stderr."""
 
     def __enter__(self) -> Self:
         return self
@@ -37,12 +37,12 @@ class Lines:
         """Show an event of the engine."""
         match event["event"]:
             case "note":
-                self.line(_note(event), error=event["level"] == "warning")
+                self.line(_note_text(event), error=event["level"] == "warning")
             case "frame":
                 self.frame(event)
 
     def frame(self, event: Event) -> None:
-        """A frame has ended."""
+        """Show a frame that has ended."""
         if event["status"] == "failed":
             self.line(f"frame {event['frame']}  failed  {event['message']}", error=True)
         else:
@@ -50,23 +50,23 @@ class Lines:
             self.line(f"frame {event['frame']}  {event['status']:7} {event['seconds']:7.2f} s  {files}".rstrip())
 
     def line(self, text: str, *, error: bool = False) -> None:
-        """One line, at once."""
+        """Print one line."""
         click.echo(text, err=error)
 
     def error(self, error: FlowabsError) -> None:
-        """The run could not begin; the caller says so."""
+        """Show nothing here of a run that could not begin: the caller tells the error."""
 
     def end(self, report: Report) -> None:
-        """The run has ended."""
+        """Show the summary of a run that has ended, and its profile."""
         counts = ", ".join(f"{count} {status}" for status, count in report.counts.items() if count)
         stopped = {130: "stopped: ", 143: "stopped: "}.get(report.exit_code, "")
         self.line(f"{stopped}{counts or 'nothing done'} in {report.seconds:.2f} s", error=bool(stopped))
-        for row in _profile(report):
+        for row in _profile_lines(report):
             self.line(row)
 
 
 class Bar(Lines):
-    """A bar with frames/s and time left; notes and failures stand above it."""
+    """Show a bar with frames/s and the time left; notes and failures stand above it."""
 
     def __init__(self) -> None:
         self.bar: tqdm[Any] | None = None
@@ -84,27 +84,27 @@ class Bar(Lines):
         super().event(event)
 
     def frame(self, event: Event) -> None:
-        """A frame has ended; one that is done shows in the bar alone."""
+        """Move the bar on for a frame that has ended, and say why where it failed."""
         if event["status"] == "failed":
             super().frame(event)
         if self.bar is not None:
             self.bar.update()
 
     def line(self, text: str, *, error: bool = False) -> None:
-        """One line above the bar."""
+        """Print one line above the bar."""
         from tqdm import tqdm
 
         tqdm.write(text, file=sys.stderr if error else sys.stdout)
 
     def end(self, report: Report) -> None:
-        """The run has ended: the bar stays as it is, the summary comes below."""
+        """Leave the bar as it is, and show the summary below it."""
         if self.bar is not None:
             self.bar.close()
         super().end(report)
 
 
 class JsonLines(Lines):
-    """Each event as a line of JSON on stdout; failures for people on stderr besides."""
+    """Print each event as a line of JSON on stdout; failures are also told to people, on stderr."""
 
     def event(self, event: Event) -> None:
         """Print an event of the engine."""
@@ -113,11 +113,11 @@ class JsonLines(Lines):
             self.frame(event)
 
     def error(self, error: FlowabsError) -> None:
-        """The run could not begin."""
+        """Print the error of a run that could not begin."""
         click.echo(json.dumps({"event": "error", "error": error.to_dict()}))
 
     def end(self, report: Report) -> None:
-        """The run has ended; its own last event has said so."""
+        """Print the profile, if there is one; the run's last event has said the rest."""
         if report.profile is not None:
             rows = [
                 {"node": each.node, "type": each.type, "frames": each.frames, "seconds": round(each.seconds, 4)}
@@ -126,15 +126,16 @@ class JsonLines(Lines):
             click.echo(json.dumps({"event": "profile", "nodes": rows}))
 
 
-def _note(event: Event) -> str:
+def _note_text(event: Event) -> str:
+    """Return the line for a note."""
     frame = "" if event["frame"] is None else f"frame {event['frame']}  "
     level = "warning: " if event["level"] == "warning" else ""
     node = f"{event['node']}: " if event["node"] else ""
     return f"{frame}{level}{node}{event['text']}"
 
 
-def _profile(report: Report) -> list[str]:
-    """Seconds by node, the slowest first, and each one's share."""
+def _profile_lines(report: Report) -> list[str]:
+    """Return the lines of a table: seconds by node, the slowest first, and each node's share."""
     if not report.profile:
         return []
     total = sum(each.seconds for each in report.profile) or 1.0

@@ -1,18 +1,19 @@
-"""``flowabs run``: a graph over frames."""
+"""``flowabs run``: runs a graph over frames."""
 
 from __future__ import annotations
 
-from pathlib import Path
+from dataclasses import Field, fields
 from typing import Any
 
 import click
 
 from flowabs_nodes.cli.listings import warn_of_missing_nodes
+from flowabs_nodes.engine.options import RunOptions, flag_of
 from flowabs_nodes.errors import FlowabsError
 
 
-def _settings(context: click.Context, option: click.Parameter, values: tuple[str, ...]) -> dict[str, Any]:
-    """--set name=value, each value JSON if it parses, else a text. Of two for one name the later counts."""
+def _parse_settings(context: click.Context, option: click.Parameter, values: tuple[str, ...]) -> dict[str, Any]:
+    """Parse the values of ``--set name=value``: each value is JSON if it parses, else a text; later ones win."""
     from flowabs_nodes.graph import parse_setting
 
     settings = {}
@@ -24,91 +25,65 @@ def _settings(context: click.Context, option: click.Parameter, values: tuple[str
     return settings
 
 
+#: How the values of options are parsed whose text is more than one value.
+_PARSERS = {"set": _parse_settings}
+
+
+def _click_option(option: Field[Any]) -> click.Option:
+    """Make the command line's option of a field of :class:`RunOptions`."""
+    flag = flag_of(option)
+    names = [option.name, f"--{option.name.replace('_', '-')}", *filter(None, [flag.short])]
+    kind: Any = flag.type
+    if flag.choices:
+        kind = click.Choice(flag.choices)
+    elif flag.min is not None:
+        kind = click.IntRange(min=flag.min)
+    return click.Option(
+        names,
+        type=kind,
+        default=None if flag.repeats else option.default,
+        is_flag=flag.type is bool,
+        multiple=flag.repeats,
+        metavar=flag.metavar,
+        show_default=flag.show_default,
+        callback=_PARSERS.get(option.name),
+        help=flag.help,
+    )
+
+
+def _takes_run_options(command: click.Command) -> click.Command:
+    """Give a command an option for each field of :class:`RunOptions`, before those that it declares itself."""
+    own = [each for each in command.params if isinstance(each, click.Option)]
+    arguments = [each for each in command.params if each not in own]
+    command.params = [*arguments, *map(_click_option, fields(RunOptions)), *own]
+    return command
+
+
+@_takes_run_options
 @click.command()
 @click.argument("graph")
-@click.option("-i", "--input", metavar="FILE", help="File or sequence of the graph's only read: shot.####.exr.")
-@click.option(
-    "-o",
-    "--output",
-    metavar="FILE",
-    multiple=True,
-    help="File or sequence of the graph's only write. Again: the same image in that file's format too.",
-)
-@click.option("--frames", metavar="RANGE", help="1001-1100x2,1200. Without it: every frame on disk.")
-@click.option(
-    "--set",
-    "settings",
-    metavar="NAME=VALUE",
-    multiple=True,
-    callback=_settings,
-    help="Set a knob, or any parameter as node.parameter. JSON if it parses, else a text.",
-)
-@click.option(
-    "--existing",
-    type=click.Choice(["resume", "overwrite", "error"]),
-    default="resume",
-    show_default=True,
-    help="About files that are there: resume keeps what is whole and was made from the same.",
-)
-@click.option(
-    "--missing",
-    type=click.Choice(["error", "hold", "nearest", "black", "skip"]),
-    help="About frames of the plate that are not there; else as the graph says.",
-)
-@click.option("--scale", type=float, default=1.0, help="Filter a smaller picture, with lengths to match: 0.5 is half.")
-@click.option("--root", type=Path, metavar="DIR", help="Read and write nothing outside DIR, links included.")
-@click.option("--max-pixels", type=click.IntRange(min=1), metavar="N", help="Refuse larger pictures.")
-@click.option("--ocio", metavar="CONFIG", help="An OpenColorIO config instead of the built-in one.")
 @click.option("--json", "as_json", is_flag=True, help="One event a line on stdout.")
 @click.option("--profile", is_flag=True, help="Show the seconds that each node took.")
-def run(
-    graph: str,
-    input: str | None,
-    output: tuple[str, ...],
-    frames: str | None,
-    settings: dict[str, Any],
-    existing: str,
-    missing: str | None,
-    scale: float,
-    root: Path | None,
-    max_pixels: int | None,
-    ocio: str | None,
-    as_json: bool,
-    profile: bool,
-) -> int:
+def run(graph: str, as_json: bool, profile: bool, **options: Any) -> int:
     """Run a GRAPH over frames: EXR in, EXR out.
 
     GRAPH is a file if it has a "/" or ends in .json, else a graph that comes with flowabs (see flowabs graphs).
 
     Exit codes: 0 every frame is there, 1 one is not, 2 the graph or the command is wrong, 130 and 143 stopped.
     """
-    from flowabs_nodes import engine
     from flowabs_nodes.cli.precompile import compiling_ahead
     from flowabs_nodes.cli.progress import Bar, JsonLines, Lines, on_a_terminal
-    from flowabs_nodes.io.settings import Settings
+    from flowabs_nodes.engine.render_sequence import render_sequence
     from flowabs_nodes.simd.target import kernel_path
 
     kernel_path()  # what is wrong with FLOWABS_SIMD is wrong for every frame
     warn_of_missing_nodes()
-    given: dict[str, Any] = {"max_pixels": max_pixels, "ocio": ocio, "root": root}
     with (
         (JsonLines if as_json else Bar if on_a_terminal() else Lines)() as show,
-        compiling_ahead(graph, settings),
+        compiling_ahead(graph, options["set"]),
     ):
         try:
-            report = engine.run(
-                graph,
-                input=input,
-                output=list(output) or None,
-                frames=frames,
-                set=settings or None,
-                scale=scale,
-                existing=existing,
-                missing=missing,
-                profile=profile,
-                settings=Settings(**{name: value for name, value in given.items() if value is not None}),
-                on_event=show.event,
-            )
+            report = render_sequence(graph, RunOptions(**options), profile=profile, on_event=show.event)
         except FlowabsError as error:
             show.error(error)
             raise

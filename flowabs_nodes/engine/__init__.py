@@ -1,4 +1,4 @@
-"""Runs graphs: what to compute and in which order, what a result is called, one node, one frame, all frames."""
+"""Runs graphs: plans what to compute, names results by keys, calls nodes, renders frames and sequences."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from flowabs_nodes.engine.options import RunOptions
     from flowabs_nodes.engine.render_sequence import run
     from flowabs_nodes.engine.report import FrameReport, Note, Report
     from flowabs_nodes.engine.runnable import RunnableGraph, load_graph
@@ -14,12 +15,13 @@ _HOMES = {
     "FrameReport": "report",
     "Note": "report",
     "Report": "report",
+    "RunOptions": "options",
     "RunnableGraph": "runnable",
     "load_graph": "runnable",
     "run": "render_sequence",
 }
 
-__all__ = ["FrameReport", "Note", "Report", "RunnableGraph", "load_graph", "run"]
+__all__ = ["FrameReport", "Note", "Report", "RunOptions", "RunnableGraph", "load_graph", "run"]
 
 
 def __getattr__(name: str) -> Any:

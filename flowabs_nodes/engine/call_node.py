@@ -1,4 +1,4 @@
-"""Runs one node on images, with everything that all nodes have in common: widening, windows, mask and mix, checks."""
+"""Calls one node on images, and does what all nodes have in common: widening, windows, checks, mask and mix."""
 
 from __future__ import annotations
 
@@ -8,20 +8,25 @@ from typing import Any, cast
 
 import numpy as np
 
-from flowabs_nodes.engine.error_boundary import contained
+from flowabs_nodes.engine.error_boundary import error_boundary
 from flowabs_nodes.errors import ArgumentError, FlowabsError, nearest
 from flowabs_nodes.image import Image, PortType, Window
 from flowabs_nodes.nodes.declare import MASK, MIX, Context, Node
 
 
-def apply(
+def call_node(
     declaration: Node, context: Context, inputs: Mapping[str, Image], params: Mapping[str, Any]
 ) -> dict[str, Image]:
-    """The outputs that ``context.wanted`` names (all, where it names none) of one node.
+    """Compute the outputs of one node that ``context.wanted`` names; all, where it names none.
 
     Inputs are widened to what their port asks for and brought to the data window of the first image input: a mask and
-    ``write``'s layers by cutting, and 0 where they have no pixels; any other input must be on that window already.
+    ``write``'s layers are cut, and 0 where they have no pixels; any other input must be on that window already.
     Parameters that are not given take their default; all are checked. The result goes over the input by mask x mix.
+
+    Returns
+    -------
+    dict
+        An Image by the output's name.
 
     Raises
     ------
@@ -31,22 +36,25 @@ def apply(
     """
     wanted = context.wanted or frozenset(declaration.all_outputs)
     context = replace(context, node=context.node or declaration.type, wanted=wanted)
-    with contained(context.node, context.frame):
+    with error_boundary(context.node, context.frame):
         images = fit_inputs(declaration, inputs)
         values = check_params(declaration, params)
         if not declaration.mixes:
-            return _run(declaration, context, images, values)
+            return _call(declaration, context, images, values)
         mask, mix = images.pop(MASK.name, None), values.pop(MIX.name)
         first = declaration.outputs[0].name
         if mix == 0 and wanted == {first}:
             return {first: images["image"]}
-        return _mixed(images["image"], _run(declaration, context, images, values), first, mask, mix)
+        return _mix_over(images["image"], _call(declaration, context, images, values), first, mask, mix)
 
 
-def deliver(declaration: Node, context: Context, inputs: Mapping[str, Image], params: Mapping[str, Any]) -> Any:
-    """What a node without outputs, such as ``write``, hands back; inputs and parameters as for :func:`apply`."""
+def call_sink(declaration: Node, context: Context, inputs: Mapping[str, Image], params: Mapping[str, Any]) -> Any:
+    """Call a node without outputs, such as ``write``, and return what its function returns.
+
+    Inputs and parameters are treated, and errors raised, as by :func:`call_node`.
+    """
     context = replace(context, node=context.node or declaration.type)
-    with contained(context.node, context.frame):
+    with error_boundary(context.node, context.frame):
         images = fit_inputs(declaration, inputs)
         return declaration.run(context, **images, **check_params(declaration, params))
 
@@ -55,7 +63,13 @@ def deliver(declaration: Node, context: Context, inputs: Mapping[str, Image], pa
 
 
 def fit_inputs(declaration: Node, inputs: Mapping[str, Image]) -> dict[str, Image]:
-    """Inputs as the node's function gets them: each of a type its port takes, all on one data window."""
+    """Return the inputs as the node's function gets them: each of a type its port takes, all on one data window.
+
+    Raises
+    ------
+    FlowabsError
+        unknown-input, missing-input, wrong-type or window-mismatch.
+    """
     ports = declaration.all_inputs
     for name in inputs:
         if declaration.input(name) is None:
@@ -68,7 +82,7 @@ def fit_inputs(declaration: Node, inputs: Mapping[str, Image]) -> dict[str, Imag
         if name not in inputs and not port.optional:
             raise FlowabsError(f"input {name!r} is not connected: {port.help}", code="missing-input")
     declared = {name: inputs[name] for name in ports if name in inputs}
-    images = {name: _widened(declaration, name, image) for name, image in (declared | dict(inputs)).items()}
+    images = {name: _widen(declaration, name, image) for name, image in (declared | dict(inputs)).items()}
     first = next(iter(declared), None)
     if first is None:
         return images
@@ -78,15 +92,16 @@ def fit_inputs(declaration: Node, inputs: Mapping[str, Image]) -> dict[str, Imag
             continue
         if name in declared and name != MASK.name:
             raise FlowabsError(
-                f"input {name!r} has the data window {_words(image.data_window)}, "
-                f"but input {first!r} has {_words(window)}",
+                f"input {name!r} has the data window {_describe(image.data_window)}, "
+                f"but input {first!r} has {_describe(window)}",
                 code="window-mismatch",
             )
         images[name] = image.on_window(window)
     return images
 
 
-def _widened(declaration: Node, name: str, image: Image) -> Image:
+def _widen(declaration: Node, name: str, image: Image) -> Image:
+    """Return ``image`` as the type that the input ``name`` takes."""
     port = declaration.input(name)
     assert port is not None
     kind = port.takes(image.type)
@@ -97,7 +112,13 @@ def _widened(declaration: Node, name: str, image: Image) -> Image:
 
 
 def check_params(declaration: Node, params: Mapping[str, Any]) -> dict[str, Any]:
-    """Every parameter of the node in the type its function gets, defaults filled in."""
+    """Return every parameter of the node in the type its function gets, defaults filled in.
+
+    Raises
+    ------
+    ArgumentError
+        unknown-param, missing-param, or what is wrong with a value.
+    """
     known = declaration.all_params
     for name in params:
         if name not in known:
@@ -110,17 +131,18 @@ def check_params(declaration: Node, params: Mapping[str, Any]) -> dict[str, Any]
     return {name: param.check(values[name]) for name, param in known.items()}
 
 
-def _words(window: Window) -> str:
+def _describe(window: Window) -> str:
+    """Return a window in words: "1920x1080+0-10"."""
     return f"{window.width}x{window.height}{window.x:+d}{window.y:+d}"
 
 
 # ---------------------------------------------------------------------- the node itself
 
 
-def _run(
+def _call(
     declaration: Node, context: Context, images: Mapping[str, Image], values: Mapping[str, Any]
 ) -> dict[str, Image]:
-    """Calls the node's function and holds what it returns to the declaration."""
+    """Call the node's function and check what it returns against the declaration."""
     optional = {port.name: images.get(port.name) for port in declaration.inputs}
     result = declaration.run(context, **{**optional, **images}, **values)
     found = result if isinstance(result, dict) else {declaration.outputs[0].name: result}
@@ -134,12 +156,18 @@ def _run(
         kinds = (images[port.same_as].type,) if port.same_as else port.accepts
         if image.type not in kinds:
             raise _wrong_output(declaration, name, f"{' or '.join(kinds)}, the node returned {image.type}")
-        outputs[name] = _placed_like(images, image, declaration, name)
+        outputs[name] = _restore_metadata(images, image, declaration, name)
     return outputs
 
 
-def _placed_like(images: Mapping[str, Image], image: Image, declaration: Node, name: str) -> Image:
-    """``image`` with the windows of the first input, and with whatever of its metadata and origin the node lost."""
+def _restore_metadata(images: Mapping[str, Image], image: Image, declaration: Node, name: str) -> Image:
+    """Return an output with what the node lost of the first input's metadata and origin.
+
+    Raises
+    ------
+    FlowabsError
+        wrong-output, where its windows are not those of the first input.
+    """
     source = next(iter(images.values()), None)
     if source is None:
         return image
@@ -148,8 +176,8 @@ def _placed_like(images: Mapping[str, Image], image: Image, declaration: Node, n
         raise _wrong_output(
             declaration,
             name,
-            f"the windows of its input ({' in '.join(map(_words, expected))}), the node returned "
-            f"{' in '.join(map(_words, found))}: make outputs with image.with_pixels(...)",
+            f"the windows of its input ({' in '.join(map(_describe, expected))}), the node returned "
+            f"{' in '.join(map(_describe, found))}: make outputs with image.with_pixels(...)",
         )
     spec, metadata = image.spec, source.spec.extra_attribs
     present = {attribute.name for attribute in spec.extra_attribs}
@@ -162,14 +190,18 @@ def _placed_like(images: Mapping[str, Image], image: Image, declaration: Node, n
 
 
 def _wrong_output(declaration: Node, name: str, what: str) -> FlowabsError:
+    """Return the error for an output that is not ``what`` it must be."""
     return FlowabsError(f"output {name!r} of {declaration.name} must be {what}", code="wrong-output")
 
 
 # ---------------------------------------------------------------------- after: mask and mix
 
 
-def _mixed(image: Image, outputs: dict[str, Image], first: str, mask: Image | None, mix: float) -> dict[str, Image]:
-    """Result over input by k = mask x mix, alpha too; color outputs beside the first (an ink alone) times k."""
+def _mix_over(image: Image, outputs: dict[str, Image], first: str, mask: Image | None, mix: float) -> dict[str, Image]:
+    """Lay each result over the input by k = mask x mix, alpha too.
+
+    A color output beside the first, such as an ink alone, is multiplied by k.
+    """
     if mask is None and mix == 1:
         return outputs
     k = np.full((1, 1, 1), mix, np.float32) if mask is None else np.clip(mask.pixels, 0, 1) * np.float32(mix)

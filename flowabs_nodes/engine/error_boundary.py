@@ -1,4 +1,4 @@
-"""Where anything that goes wrong inside a node becomes an error of this package that says which node and frame."""
+"""Turns anything that goes wrong inside a node into an error of this package that says which node and frame."""
 
 from __future__ import annotations
 
@@ -9,20 +9,27 @@ from flowabs_nodes.errors import FlowabsError
 
 
 class InternalError(FlowabsError):
-    """Something raised an exception that nobody foresaw: a fault of the node, of this package, or of the machine.
+    """An exception that nobody foresaw was raised: a fault of the node, of this package, or of the machine.
 
-    The exception itself is ``__cause__``. Codes: "internal", or "out-of-memory".
+    That exception is ``__cause__``. Codes: "internal", or "out-of-memory".
     """
 
     code = "internal"
 
 
 @contextmanager
-def contained(node: str | None = None, frame: int | None = None) -> Iterator[None]:
-    """Whatever is raised inside leaves as a :class:`FlowabsError` that knows its node and frame.
+def error_boundary(node: str | None = None, frame: int | None = None) -> Iterator[None]:
+    """Raise on whatever is raised inside as a :class:`FlowabsError` that knows its node and frame.
 
     A node may come from any package and fail in any way, and one frame must never stop the others, so this is the one
     place that catches every exception. KeyboardInterrupt and SystemExit pass.
+
+    Raises
+    ------
+    FlowabsError
+        The error that was raised inside, with node and frame where it had none.
+    InternalError
+        Any other exception, which is its cause.
     """
     try:
         yield

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flowabs_nodes.engine.call_node import apply, deliver
-from flowabs_nodes.engine.error_boundary import contained
+from flowabs_nodes.engine.call_node import call_node, call_sink
+from flowabs_nodes.engine.error_boundary import error_boundary
 from flowabs_nodes.engine.lengths import length_factor, scale_lengths
 from flowabs_nodes.engine.plan import Result, Step, Unit
 from flowabs_nodes.engine.report import Note
@@ -24,9 +24,9 @@ from flowabs_nodes.simd.known_finite import remember_finite
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from flowabs_nodes.engine.options import RunOptions
     from flowabs_nodes.graph.model import Graph
     from flowabs_nodes.io.sequences import Source
-    from flowabs_nodes.io.settings import Settings
 
 #: A node's parameters by name.
 Params = Mapping[str, Any]
@@ -34,31 +34,46 @@ Params = Mapping[str, Any]
 
 @dataclass
 class Evaluation:
-    """One frame of a graph at work. ``notes`` and ``timings`` (seconds by node) fill up, also when a node fails.
+    """The computation of one frame. ``notes`` and ``timings`` (seconds by node) fill up, also when a node fails.
 
     Attributes
     ----------
     params
         Each unit's parameters, lengths not scaled.
     sources
-        For each unit that reads a file: which one, this frame.
-    on_delivery
-        Gets the node and what it hands back, for nodes without outputs (``write``), as soon as they have run.
+        For each unit that reads a file, which file that is on this frame.
+    options
+        The run's options, of which ``scale`` and ``settings`` matter here.
+    on_sink
+        Called with the name of a node without outputs (``write``) and what its function returned, as soon as it has
+        run.
     """
 
     graph: Graph
     params: Mapping[Unit, Params]
     sources: Mapping[Unit, Source]
-    settings: Settings
-    scale: float = 1.0
-    on_delivery: Callable[[str, Any], None] = lambda node, what: None
+    options: RunOptions
+    on_sink: Callable[[str, Any], None] = lambda node, what: None
     notes: list[Note] = field(default_factory=list)
     timings: dict[str, float] = field(default_factory=dict)
 
     def run(
         self, steps: Collection[Step], given: Mapping[Result, Image], keep: Collection[Result] = ()
     ) -> dict[Result, Image]:
-        """Run all steps; the results named in ``keep`` come back, all others are let go after their last use."""
+        """Run all steps in order, each result held until its last use.
+
+        Parameters
+        ----------
+        given
+            Images that stand in for results that no step computes.
+        keep
+            The results to return; all others are let go.
+
+        Raises
+        ------
+        FlowabsError
+            Whatever went wrong, with node and frame.
+        """
         held = {result: image.alone() for result, image in given.items()}
         expected = self._expected(steps)
         for result, image in held.items():
@@ -69,7 +84,7 @@ class Evaluation:
                 for name, result in step.inputs.items():
                     images[name].keeps_codes = result not in step.drops
                 with self.timed(step.unit.node):
-                    outputs = self._step(step, images)
+                    outputs = self._run_step(step, images)
                 for output, image in outputs.items():
                     result = Result(step.unit.node, output, step.unit.frame)
                     held[result], image.expects, image.keeps_codes = image, expected.get(result, frozenset()), True
@@ -79,7 +94,7 @@ class Evaluation:
         return {result: given.get(result) or held[result] for result in keep}
 
     def _expected(self, steps: Collection[Step]) -> dict[Result, frozenset[str]]:
-        """For each picture, the spaces in which somebody is going to smooth it."""
+        """Return, for each picture, the spaces in which later steps smooth it."""
         spaces: dict[Result, set[str]] = {}
         for step in steps:
             space = self.params[step.unit].get("space")
@@ -87,7 +102,8 @@ class Evaluation:
                 spaces.setdefault(step.inputs["image"], set()).add(space)
         return {result: frozenset(each) for result, each in spaces.items()}
 
-    def _step(self, step: Step, images: Mapping[str, Image]) -> dict[str, Image]:
+    def _run_step(self, step: Step, images: Mapping[str, Image]) -> dict[str, Image]:
+        """Run one step on its inputs and return its outputs by name; what a read node returns is scaled."""
         node, frame = step.unit
         declaration = self.graph.nodes[node].declaration
         context = Context(
@@ -96,39 +112,40 @@ class Evaluation:
             wanted=step.wanted,
             note=partial(self._note, node, False),
             warn=partial(self._note, node, True),
-            services=self.settings,
+            services=self.options.settings,
         )
-        with contained(node, frame):
+        with error_boundary(node, frame):
             params = self._params(step, declaration, images)
             if not declaration.outputs:
-                self.on_delivery(node, deliver(declaration, context, images, params))
+                self.on_sink(node, call_sink(declaration, context, images, params))
                 return {}
-            outputs = apply(declaration, context, images, params)
+            outputs = call_node(declaration, context, images, params)
             source = self.sources.get(step.unit)
             if source is None:
                 return outputs
             return {
-                name: scale_image(_black(image) if source.black else image, self.scale)
+                name: scale_image(_black(image) if source.black else image, self.options.scale)
                 for name, image in outputs.items()
             }
 
     def _params(self, step: Step, declaration: Node, images: Mapping[str, Image]) -> dict[str, Any]:
-        """The step's parameters with lengths scaled to what it looks at, and the file of this frame."""
+        """Return the step's parameters with lengths scaled to the picture it looks at, and the file of this frame."""
         params = dict(self.params[step.unit])
         if step.unit in self.sources and declaration.file_param:
             params[declaration.file_param.name] = str(self.sources[step.unit].path)
         looks_at = next((images[name] for name in declaration.all_inputs if name in images), None)
-        factor = length_factor(self.graph.reference_height, self.scale, looks_at)
+        factor = length_factor(self.graph.reference_height, self.options.scale, looks_at)
         params, warnings = scale_lengths(declaration, params, factor)
         self.notes.extend(replace(warning, node=step.unit.node) for warning in warnings)
         return params
 
     def _note(self, node: str, warning: bool, text: str) -> None:
+        """Add what a node has to say to the notes of this frame."""
         self.notes.append(Note(text, node, warning))
 
     @contextmanager
     def timed(self, name: str) -> Iterator[None]:
-        """Counts the time inside for ``name``."""
+        """Add the time that is spent inside to the timing of ``name``."""
         start = time.perf_counter()
         try:
             yield
@@ -137,5 +154,8 @@ class Evaluation:
 
 
 def _black(image: Image) -> Image:
-    """A black frame like ``image``: it has no origin, so that no layer of that other frame is kept with it."""
+    """Return a black frame with the windows and metadata of ``image``.
+
+    It has no origin, so that ``write`` keeps no layer of the frame that it was made from.
+    """
     return Image(np.zeros_like(image.pixels), image.spec, image.type, colorspace=image.colorspace)

@@ -5,20 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any
 
 from flowabs_nodes import graph as graphs
+from flowabs_nodes.engine.options import RunOptions
 from flowabs_nodes.graph.model import Graph
-from flowabs_nodes.io.settings import Settings
 from flowabs_nodes.nodes.declare import Node
-
-Existing = Literal["resume", "overwrite", "error"]
-EXISTING: tuple[Existing, ...] = ("resume", "overwrite", "error")
 
 
 @dataclass(frozen=True)
 class Job:
-    """Frames to make of one graph. It can be pickled: the graph travels as its document.
+    """One graph and how its frames are made. A job can be pickled: the graph travels as its document.
 
     Attributes
     ----------
@@ -26,25 +23,20 @@ class Job:
         The graph, with everything set that this run sets.
     outputs
         For each write node, the files or patterns that its picture goes to.
-    existing
-        What to do about files that are there already.
-    missing
-        Policy for missing input frames, instead of the nodes' own; None leaves it to them.
+    options
+        The options that a single frame depends on (:meth:`RunOptions.for_frames`).
     catalogue
         Node declarations by type, for graphs of other nodes than those that are installed.
     """
 
     document: Mapping[str, Any]
     outputs: Mapping[str, tuple[str, ...]]
-    settings: Settings = field(default_factory=Settings)
-    scale: float = 1.0
-    existing: Existing = "resume"
-    missing: str | None = None
+    options: RunOptions = field(default_factory=RunOptions)
     catalogue: Mapping[str, Node] | None = None
 
     @cached_property
     def graph(self) -> Graph:
-        """Read once in each process."""
+        """The graph, parsed once in each process."""
         return graphs.load(self.document, self.catalogue)
 
     def __getstate__(self) -> dict[str, Any]:

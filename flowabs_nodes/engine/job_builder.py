@@ -1,56 +1,42 @@
-"""From what is asked for to a job and its frames; what is wrong with the command is said before the first frame."""
+"""Builds a job and its list of frames from what is asked for; a wrong command is refused before the first frame."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import TypeVar
 
 from flowabs_nodes.color.config import config
-from flowabs_nodes.engine.job import EXISTING, Job
-from flowabs_nodes.engine.lengths import check_scale
+from flowabs_nodes.engine.job import Job
+from flowabs_nodes.engine.options import PathLike, RunOptions
 from flowabs_nodes.engine.plan import file_role, make_plan, sinks
 from flowabs_nodes.engine.sources import file_of
-from flowabs_nodes.errors import CommandError, ReadError, WriteError, nearest
+from flowabs_nodes.errors import CommandError, ReadError, WriteError
 from flowabs_nodes.graph.model import Graph
 from flowabs_nodes.io import formats
 from flowabs_nodes.io.frame_lock import check_writable
-from flowabs_nodes.io.sequences import MISSING, Sequence, parse_frames
-from flowabs_nodes.io.settings import Settings, checked
+from flowabs_nodes.io.sequences import Sequence, parse_frames
+from flowabs_nodes.io.settings import checked
 from flowabs_nodes.nodes import catalogue as installed
 from flowabs_nodes.nodes.declare import Node
 
-PathLike = str | os.PathLike[str]
-Word = TypeVar("Word", bound=str)
 
+def build_job(graph: Graph, options: RunOptions) -> tuple[Job, tuple[int, ...]]:
+    """Return the job, and the numbers of the frames to render.
 
-def prepare(
-    graph: Graph,
-    *,
-    input: PathLike | None = None,
-    output: PathLike | Iterable[PathLike] | None = None,
-    frames: str | int | Iterable[int] | None = None,
-    scale: float = 1.0,
-    existing: str = "resume",
-    missing: str | None = None,
-    settings: Settings | None = None,
-) -> tuple[Job, tuple[int, ...]]:
-    """The job and the frames to make.
+    ``options.set`` has been applied to ``graph``; the files that ``options`` name are set here.
 
     Raises
     ------
     CommandError
-        Where the command cannot be carried out at all; nothing has been written then.
+        The command cannot be carried out at all; nothing has been written then.
     ColorError
         The OCIO config cannot be read.
     """
-    settings = settings or Settings()
+    settings = options.settings
     if settings.ocio is not None:
         config(settings.ocio)
-    how = _word("existing", existing, EXISTING)
-    policy = None if missing is None else _word("missing", missing, MISSING)
-    graph, further = _with_files(graph, input, _listed(output))
+    graph, further = _set_files(graph, options)
     values = graph.values(1)
     writes = sinks(graph)
     if not writes:
@@ -63,47 +49,38 @@ def prepare(
         outputs = {name: (file_of(graph, name, values[name]), *further) for name in writes}
         for sequence in inputs:
             checked(sequence.pattern, settings)
-        numbers = _numbers(frames, inputs)
-        targets = _targets([Sequence(pattern) for patterns in outputs.values() for pattern in patterns], numbers)
+        numbers = _frame_numbers(options.frames, inputs)
+        targets = _output_paths([Sequence(pattern) for patterns in outputs.values() for pattern in patterns], numbers)
         for path in targets:
             checked(path, settings)
     _refuse_inputs(targets, inputs, numbers)
     _check_folders(targets)
-    return Job(graph.document, outputs, settings, check_scale(scale), how, policy, _catalogue(graph)), numbers
+    return Job(graph.document, outputs, options.for_frames(), _foreign_nodes(graph)), numbers
 
 
 # ---------------------------------------------------------------------- what was asked for
 
 
-def _word(name: str, value: str, words: tuple[Word, ...]) -> Word:
-    for word in words:
-        if value == word:
-            return word
-    expected = ", ".join(words)
-    hint = nearest(value, words)
-    raise CommandError(
-        f"{name}: expected one of {expected}, found {value!r}", code="bad-value", hint=hint, parameter=name
-    )
-
-
-def _listed(output: PathLike | Iterable[PathLike] | None) -> list[str]:
-    if output is None:
-        return []
-    return [os.fspath(each) for each in ([output] if isinstance(output, str | os.PathLike) else output)]
-
-
-def _with_files(graph: Graph, input: PathLike | None, outputs: list[str]) -> tuple[Graph, tuple[str, ...]]:
-    """The graph with the file of its only read and of its only write set, and the further outputs."""
+def _set_files(graph: Graph, options: RunOptions) -> tuple[Graph, tuple[str, ...]]:
+    """Set the file of the graph's only read and of its only write; return the graph and the further outputs."""
     files = {}
-    if input is not None:
-        files[f"{_only(graph, 'read', '-i')}.file"] = os.fspath(input)
+    if options.input is not None:
+        files[f"{_only(graph, 'read', '-i')}.file"] = os.fspath(options.input)
+    outputs = _as_list(options.output)
     if outputs:
         files[f"{_only(graph, 'write', '-o')}.file"] = outputs[0]
     return (graph.with_set(files) if files else graph), tuple(outputs[1:])
 
 
+def _as_list(output: PathLike | Iterable[PathLike] | None) -> list[str]:
+    """Return the names of all outputs that are asked for, be it none, one or several."""
+    if output is None:
+        return []
+    return [os.fspath(each) for each in ([output] if isinstance(output, str | os.PathLike) else output)]
+
+
 def _only(graph: Graph, type: str, option: str) -> str:
-    """The name of the graph's only node of that type."""
+    """Return the name of the graph's only node of a type; raise CommandError where it has none or several."""
     names = [name for name, node in graph.nodes.items() if node.declaration.type == type]
     if len(names) == 1:
         return names[0]
@@ -116,8 +93,11 @@ def _only(graph: Graph, type: str, option: str) -> str:
     )
 
 
-def _numbers(frames: str | int | Iterable[int] | None, inputs: list[Sequence]) -> tuple[int, ...]:
-    """The frames asked for; else every frame on disk of any input, so that one that is missing in another is seen."""
+def _frame_numbers(frames: str | int | Iterable[int] | None, inputs: list[Sequence]) -> tuple[int, ...]:
+    """Return the numbers of the frames asked for, or else of every frame on disk.
+
+    A frame that one input has on disk counts even where another input lacks it, so that its absence is told.
+    """
     if isinstance(frames, str):
         return parse_frames(frames)
     if frames is not None:
@@ -138,8 +118,8 @@ def _numbers(frames: str | int | Iterable[int] | None, inputs: list[Sequence]) -
 # ---------------------------------------------------------------------- files
 
 
-def _targets(outputs: list[Sequence], numbers: tuple[int, ...]) -> list[str]:
-    """Every file that will be written, each once."""
+def _output_paths(outputs: list[Sequence], numbers: tuple[int, ...]) -> list[str]:
+    """Return every file that will be written; raise CommandError where two outputs, or two frames, are one file."""
     for sequence in outputs:
         formats.to_write(sequence.pattern)
         if len(numbers) > 1 and not sequence.has_token:
@@ -158,7 +138,7 @@ def _targets(outputs: list[Sequence], numbers: tuple[int, ...]) -> list[str]:
 
 
 def _refuse_inputs(targets: list[str], inputs: list[Sequence], numbers: tuple[int, ...]) -> None:
-    """Raise where a file to write is, through any link, one that any frame may read."""
+    """Raise CommandError where a file to write is, through any link, a file that any frame may read."""
     sources = {
         os.path.realpath(sequence.path(number))
         for sequence in inputs
@@ -171,7 +151,7 @@ def _refuse_inputs(targets: list[str], inputs: list[Sequence], numbers: tuple[in
 
 
 def _identity(path: str) -> tuple[int, int] | None:
-    """What is the same for two names of one file; None where there is no file."""
+    """Return device and inode, which are the same for two names of one file; None where there is no file."""
     try:
         state = os.stat(path)
     except (OSError, ValueError):
@@ -180,7 +160,7 @@ def _identity(path: str) -> tuple[int, int] | None:
 
 
 def _check_folders(targets: list[str]) -> None:
-    """Raise where files could not be made: in the folder of any target, or where it would have to be made."""
+    """Raise CommandError where the folder of a file to write, which need not exist yet, cannot be written to."""
     for folder in sorted({os.path.dirname(path) or "." for path in targets}):
         try:
             check_writable(folder)
@@ -191,15 +171,15 @@ def _check_folders(targets: list[str]) -> None:
 
 @contextmanager
 def _as_command_errors() -> Iterator[None]:
-    """A name that cannot be read or written at all is a wrong command."""
+    """Raise ReadError and WriteError inside as CommandError: a name that no file can have is a wrong command."""
     try:
         yield
     except (ReadError, WriteError) as error:
         raise CommandError(error.message, code=error.code, hint=error.hint, file=error.file) from error
 
 
-def _catalogue(graph: Graph) -> Mapping[str, Node] | None:
-    """The graph's declarations, where another process would not find them installed."""
+def _foreign_nodes(graph: Graph) -> Mapping[str, Node] | None:
+    """Return the graph's declarations by type; None where another process finds them all installed."""
     used = {node.declaration.type: node.declaration for node in graph.nodes.values()}
     known = installed()
     return None if all(known.get(type) is declaration for type, declaration in used.items()) else used

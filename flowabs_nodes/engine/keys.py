@@ -1,4 +1,4 @@
-"""What a result is called: the same key means the same picture, on any machine, on any day.
+"""Names results by keys: the same key means the same picture, on any machine, on any day.
 
 A node's key is a hash of its type and version, the version of the package it comes from, its parameters, and the keys
 of its inputs; where it reads a file, of the file's content instead of its name. No filter has to run to know it.
@@ -35,7 +35,7 @@ def unit_keys(
     scale: float,
     ocio: str,
 ) -> dict[Unit, str]:
-    """The key of every step's unit.
+    """Compute the key of every step's unit.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def unit_keys(
         Each unit's parameters, checked, before lengths are scaled: the scaled ones follow from the pictures that come
         in, ``reference_height`` and ``scale``.
     contents
-        For each unit that reads a file, what stands in it (:func:`flowabs_nodes.io.hashing.content_hash`).
+        For each unit that reads a file, what stands in it (:func:`flowabs_nodes.engine.sources.source_contents`).
     given
         The keys of results that come from outside (:func:`image_key`).
     ocio
@@ -74,7 +74,11 @@ def node_key(
     scale: float = 1.0,
     ocio: str = "",
 ) -> str:
-    """The key of one node: hexadecimal, whatever the order of its parameters and inputs."""
+    """Compute the key of one node, in hexadecimal; the order of its parameters and inputs does not matter.
+
+    ``params`` are checked, lengths not scaled; ``inputs`` are plain data that name each input's key and output; the
+    others are as for :func:`unit_keys`.
+    """
     touches_files = declaration.file_param is not None
     return _digest(
         {
@@ -95,7 +99,7 @@ def node_key(
 
 
 def image_key(image: Image) -> str:
-    """The key of an image that comes from outside: its pixels, windows, metadata, type and colour space."""
+    """Compute the key of an image that comes from outside: of its pixels, windows, metadata, type and colour space."""
     state = hashlib.blake2b(image.pixels.data, digest_size=_BYTES)
     about = [state.hexdigest(), image.spec.to_xml(), image.type, image.colorspace.name, list(image.colorspace.to_xyz)]
     return _digest([_exact(each) for each in about])
@@ -103,7 +107,7 @@ def image_key(image: Image) -> str:
 
 @cache
 def package_version(package: str) -> str:
-    """The version of the installed distribution that an import package comes from; "" where there is none."""
+    """Return the version of the installed distribution that an import package comes from; "" where there is none."""
     if package == "flowabs_nodes":
         return __version__
     names = importlib.metadata.packages_distributions().get(package, [])
@@ -111,12 +115,13 @@ def package_version(package: str) -> str:
 
 
 def _digest(value: Any) -> str:
+    """Hash plain data, in hexadecimal."""
     text = json.dumps(value, sort_keys=True, ensure_ascii=True, separators=(",", ":"))
     return hashlib.blake2b(text.encode(), digest_size=_BYTES).hexdigest()
 
 
 def _exact(value: Any) -> Any:
-    """Plain data in which each number has one spelling: 5, 5.0 and NumPy's are the same, down to the last bit."""
+    """Return plain data in which each number has one spelling: 5, 5.0 and NumPy's 5 are the same, to the last bit."""
     match value:
         case None | bool() | str():
             return value

@@ -1,4 +1,4 @@
-"""Lengths that follow the picture's size.
+"""Scales lengths with the picture's size.
 
 A graph that says ``"reference_height": 1080`` means its pixel lengths for a display window of that height: on another
 plate they are multiplied by ``display height / reference height``, quantities per pixel divided by it. ``--scale 0.5``
@@ -13,36 +13,45 @@ from collections.abc import Mapping
 from typing import Any
 
 from flowabs_nodes.engine.report import Note
-from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Node, Param
 
 
-def check_scale(scale: Any) -> float:
-    """``scale`` as a float above 0 up to 1."""
-    if isinstance(scale, bool) or not isinstance(scale, int | float) or not 0 < scale <= 1:
-        raise ArgumentError(f"scale: expected a number above 0 up to 1, found {scale!r}", parameter="scale")
-    return float(scale)
-
-
 def length_factor(reference_height: float | None, scale: float, image: Image | None) -> float:
-    """By how much a node's lengths grow: ``image`` is what it looks at, already resized by ``scale``."""
+    """Return the factor by which a node's lengths grow.
+
+    Parameters
+    ----------
+    reference_height
+        The height in pixels of the display window that the graph's lengths are meant for; None: lengths follow
+        ``scale`` alone.
+    scale
+        The ``--scale`` of the run.
+    image
+        The picture that the node looks at, already resized by ``scale``; None for a node without inputs.
+    """
     if reference_height is None or image is None:
         return scale
     return image.display_window.height / reference_height
 
 
 def has_lengths(declaration: Node) -> bool:
-    """True for a node some of whose parameters follow the size of the picture."""
+    """Return True for a node some of whose parameters follow the size of the picture."""
     return any(param.scales for param in declaration.all_params.values())
 
 
 def scale_lengths(
     declaration: Node, params: Mapping[str, Any], factor: float
 ) -> tuple[dict[str, Any], tuple[Note, ...]]:
-    """Parameters with lengths multiplied by ``factor`` and quantities per pixel divided by it, and what to warn of.
+    """Multiply lengths by ``factor``, divide quantities per pixel by it, and say what to warn of.
 
-    A scaled value outside the parameter's hard range becomes the range's end.
+    A scaled value outside the parameter's hard range becomes the range's end, with a warning. A length scaled below the
+    parameter's ``thin_below`` is kept, also with a warning.
+
+    Returns
+    -------
+    tuple
+        All parameters, scaled where they scale; the warnings, each to be given once in a run.
     """
     scaled = dict(params)
     warnings = []
@@ -57,13 +66,15 @@ def scale_lengths(
                 f"{name} {value:g} x {factor**param.scales:g} = {wanted:g} is not {param.range_text}: {fitting:g} used"
             )
             warnings.append(Note(text, warning=True, once=f"range {name}"))
-        if name == "sigma_c" and fitting < 1:
-            text = f"sigma_c is {fitting:.3g} px at this size: below 1, lines change with the picture's size"
-            warnings.append(Note(text, warning=True, once="sigma_c"))
+        if param.thin_below is not None and fitting < param.thin_below:
+            thin = f"{name} is {fitting:.3g} px at this size: below {param.thin_below:g}, "
+            text = thin + "lines change with the picture's size"
+            warnings.append(Note(text, warning=True, once=name))
     return scaled, tuple(warnings)
 
 
 def _within(param: Param, value: float) -> float:
+    """Return ``value`` moved into the hard range of ``param``, and rounded for whole numbers."""
     if param.kind == "int":
         value = math.floor(value + 0.5)
     if param.max is not None:

@@ -1,7 +1,8 @@
-"""What to compute for some outputs, in which order, and when each result is no longer needed.
+"""Plans what to compute for some outputs, in which order, and when each result is no longer needed.
 
-The unit of work is a node on a frame. Today a node looks at its own frame alone, but only :func:`asks_for` knows that:
-a node that looks at its input on other frames as well changes nothing else here.
+The unit of work is a node on a frame. Today a node looks at its own frame alone: :func:`inputs_of` says so here. A node
+that looks at its input on other frames as well also needs parameters and sources of those frames, which
+:mod:`~flowabs_nodes.engine.render_frame` makes for one frame.
 """
 
 from __future__ import annotations
@@ -32,13 +33,13 @@ class Result(NamedTuple):
 
     @property
     def unit(self) -> Unit:
-        """Who makes it."""
+        """The unit that computes this result."""
         return Unit(self.node, self.frame)
 
 
 @dataclass(frozen=True)
 class Step:
-    """One unit's turn: its inputs, the outputs that somebody asks for, and the results nobody needs afterwards."""
+    """One unit's turn: its inputs, the outputs that are asked for, and the results that no later step needs."""
 
     unit: Unit
     inputs: Mapping[str, Result]
@@ -54,10 +55,10 @@ def make_plan(
     sinks: Iterable[str] = (),
     given: Collection[Result] = (),
 ) -> tuple[Step, ...]:
-    """The steps that lead to ``results`` and run the nodes ``sinks``, on one frame.
+    """Order the steps that compute ``results`` and run the nodes ``sinks``, on one frame.
 
-    What is ``given`` is not computed, nor anything that only it would need. Each branch is finished before the next
-    one begins, the one with the smallest result first, so that little is held at a time.
+    A ``given`` result is not computed, nor anything that only it would need. Each branch is finished before the next
+    one begins, and the branch with the smallest result comes first, so that little is held at a time.
     """
     results = tuple(results)
     needs: dict[Unit, dict[str, Result]] = {}  # in the order of work
@@ -93,8 +94,8 @@ def make_plan(
     )
 
 
-def asks_for(graph: Graph, unit: Unit) -> dict[str, Result]:
-    """What a unit needs, by input."""
+def inputs_of(graph: Graph, unit: Unit) -> dict[str, Result]:
+    """Return the results that a unit needs, by the name of its input."""
     links = graph.nodes[unit.node].inputs
     return {name: Result(link.node, link.output, unit.frame) for name, link in links.items()}
 
@@ -102,23 +103,23 @@ def asks_for(graph: Graph, unit: Unit) -> dict[str, Result]:
 def _add_upstream_first(
     graph: Graph, target: Unit, given: Collection[Result], needs: dict[Unit, dict[str, Result]]
 ) -> None:
-    """Add to ``needs`` every unit that ``target`` asks for and that is not there yet, each after all it asks for."""
+    """Add ``target`` and every unit that it depends on to ``needs``, each after all units that it depends on itself."""
     stack = [(target, False)]  # not by recursion: a chain may be thousands of nodes long
     while stack:
         unit, ready = stack.pop()
         if unit in needs:
             continue
-        inputs = asks_for(graph, unit)
+        inputs = inputs_of(graph, unit)
         if ready:
             needs[unit] = inputs
             continue
         stack.append((unit, True))
-        small_first = sorted(inputs.values(), key=lambda each: _floats(graph, each))
+        small_first = sorted(inputs.values(), key=lambda each: _floats_per_pixel(graph, each))
         stack.extend((each.unit, False) for each in reversed(small_first) if each not in given)
 
 
-def _floats(graph: Graph, result: Result) -> int:
-    """About how many floats a pixel it takes to hold a result."""
+def _floats_per_pixel(graph: Graph, result: Result) -> int:
+    """Return about how many floats a pixel of a result takes in memory."""
     port = graph.nodes[result.node].declaration.all_outputs[result.output]
     return {"mono": 1, "matte": 1, "flow": 2}.get(port.types, 4)
 
@@ -127,18 +128,18 @@ def _floats(graph: Graph, result: Result) -> int:
 
 
 def sinks(graph: Graph) -> tuple[str, ...]:
-    """The nodes that a run pulls from: those that write a file."""
+    """Return the nodes that a run pulls from: those that write a file."""
     return tuple(name for name, node in graph.nodes.items() if file_role(graph, name) == "output")
 
 
 def file_role(graph: Graph, name: str) -> str:
-    """ "input" for a node that reads a file, "output" for one that writes, else ""."""
+    """Return "input" for a node that reads a file, "output" for one that writes, else ""."""
     param = graph.nodes[name].declaration.file_param
     return param.role if param else ""
 
 
 def named_result(graph: Graph, name: str, frame: int) -> Result:
-    """The output that ``"node"`` (its first) or ``"node.output"`` names.
+    """Return the result that ``"node"`` (its first output) or ``"node.output"`` names on a frame.
 
     Raises
     ------

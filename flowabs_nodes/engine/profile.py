@@ -1,4 +1,4 @@
-"""Where the time went: seconds per node, over all frames of a run."""
+"""Adds up where the time of a run went: seconds by node, over all frames."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class NodeTime:
-    """One node's time: total and longest frame in seconds, and on how many frames it ran.
+    """One node's time: on how many frames it ran, its seconds on all of them together, and on the longest.
 
     Colours are converted when first asked for, so a conversion counts for the node that asked.
     """
@@ -21,7 +21,7 @@ class NodeTime:
 
 
 def total_times(timings: Iterable[Mapping[str, float]], types: Mapping[str, str]) -> tuple[NodeTime, ...]:
-    """The times of all frames added up, the slowest node first. ``types`` gives each node's type."""
+    """Add up the seconds by node of all frames; the slowest node comes first. ``types`` gives each node's type."""
     seen: dict[str, list[float]] = {}
     for frame in timings:
         for node, seconds in frame.items():

@@ -1,4 +1,4 @@
-"""One frame of a run: find its files, see whether the result is there already, compute what is missing, write it."""
+"""Renders one frame of a run: finds its files, sees which results are there already, computes and writes the others."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ import traceback
 from contextlib import ExitStack
 from typing import Any
 
-from flowabs_nodes.engine.error_boundary import contained
+from flowabs_nodes.engine.error_boundary import error_boundary
 from flowabs_nodes.engine.evaluate import Evaluation
 from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.keys import unit_keys
 from flowabs_nodes.engine.plan import Unit, make_plan
 from flowabs_nodes.engine.report import FrameReport, Note, Status
-from flowabs_nodes.engine.sources import contents, find_sources
+from flowabs_nodes.engine.sources import find_sources, source_contents
 from flowabs_nodes.errors import FlowabsError, WriteError
 from flowabs_nodes.io.frame_lock import Claim, claim
 from flowabs_nodes.io.hashing import content_hash
@@ -24,8 +24,8 @@ from flowabs_nodes.io.settings import checked
 from flowabs_nodes.io.write import is_whole, save, stored_key
 
 
-def run_frame(job: Job, frame: int) -> FrameReport:
-    """Make one frame. Whatever goes wrong with it is in the report; only what stops the whole run is raised."""
+def render_frame(job: Job, frame: int) -> FrameReport:
+    """Render one frame of a job. Whatever goes wrong with it is in the report; only interrupts are raised."""
     start = time.perf_counter()
     files = {node: tuple(Sequence(each).path(frame) for each in patterns) for node, patterns in job.outputs.items()}
     notes: list[Note] = []
@@ -33,35 +33,36 @@ def run_frame(job: Job, frame: int) -> FrameReport:
     error = None
     status: Status = "failed"
     try:
-        with contained(frame=frame):
-            status = _make(job, frame, files, notes, timings)
+        with error_boundary(frame=frame):
+            status = _render(job, frame, files, notes, timings)
     except FlowabsError as failure:
         error = failure
-        _let_go(error)
+        _free_images(error)
     every = tuple(path for paths in files.values() for path in paths)
     return FrameReport(frame, status, every, time.perf_counter() - start, error, tuple(notes), timings)
 
 
-def _make(
+def _render(
     job: Job, frame: int, files: dict[str, tuple[str, ...]], notes: list[Note], timings: dict[str, float]
 ) -> Status:
-    """Write what is not there yet; ``files`` are each write node's, and empty afterwards if the frame is left out."""
-    graph = job.graph
+    """Write each write node's ``files`` that are not there yet, and empty ``files`` if the frame is left out."""
+    graph, options, settings = job.graph, job.options, job.options.settings
     steps = make_plan(graph, frame, sinks=files)
     params = {Unit(node, frame): values for node, values in graph.values(frame).items()}
-    sources = find_sources(graph, steps, params, missing=job.missing, settings=job.settings)
+    sources = find_sources(graph, steps, params, options)
     for unit, source in sources.items():
         if source.skip:
             notes.append(Note("its file is missing: the frame is left out", unit.node))
             files.clear()
             return "skipped"
 
-    evaluation = Evaluation(graph, params, sources, job.settings, job.scale, notes=notes, timings=timings)
+    evaluation = Evaluation(graph, params, sources, options, notes=notes, timings=timings)
     with evaluation.timed("(keys)"):
-        ocio = _ocio_identity(job.settings.ocio)
-        keys = unit_keys(graph, steps, params, contents=contents(sources), given={}, scale=job.scale, ocio=ocio)
+        ocio = _ocio_identity(settings.ocio)
+        contents = source_contents(sources)
+        keys = unit_keys(graph, steps, params, contents=contents, given={}, scale=options.scale, ocio=ocio)
         stale = {
-            node: [path for path in paths if _to_make(path, keys[Unit(node, frame)], job.existing, notes)]
+            node: [path for path in paths if _is_stale(path, keys[Unit(node, frame)], options.existing, notes)]
             for node, paths in files.items()
         }
     stale = {node: paths for node, paths in stale.items() if paths}
@@ -71,24 +72,30 @@ def _make(
     document = json.dumps(graph.document)
     claims: dict[str, Claim] = {}
 
-    def write(node: str, made: Any) -> None:
+    def write(node: str, prepared: Any) -> None:
         def warn(text: str) -> None:
             notes.append(Note(text, node, warning=True))
 
         for path in stale[node]:
             key, claimed = keys[Unit(node, frame)], claims[path]
-            save(made["picture"], path, key=key, graph=document, settings=job.settings, claimed=claimed, warn=warn)
+            save(prepared["picture"], path, key=key, graph=document, settings=settings, claimed=claimed, warn=warn)
 
-    evaluation.on_delivery = write
+    evaluation.on_sink = write
     with ExitStack() as held:  # from before the filtering: another run that comes to this frame must not do it as well
         for path in (path for paths in stale.values() for path in paths):
-            claims[path] = held.enter_context(claim(checked(path, job.settings)))
+            claims[path] = held.enter_context(claim(checked(path, settings)))
         evaluation.run(make_plan(graph, frame, sinks=stale), {})
     return "done"
 
 
-def _to_make(path: str, key: str, existing: str, notes: list[Note]) -> bool:
-    """Whether a file has to be written; raises WriteError where one is in the way."""
+def _is_stale(path: str, key: str, existing: str, notes: list[Note]) -> bool:
+    """Return True where a file has to be written.
+
+    Raises
+    ------
+    WriteError
+        exists or foreign-file, where a file is in the way.
+    """
     if existing == "overwrite" or not os.path.lexists(path):
         return True
     if existing == "error":
@@ -108,14 +115,14 @@ def _to_make(path: str, key: str, existing: str, notes: list[Note]) -> bool:
 
 
 def _ocio_identity(config: str | None) -> str:
-    """What an OpenColorIO config is called, or for a file what it holds; "" for the one that is built in."""
+    """Return the name of an OpenColorIO config, or for a file the hash of its content; "" for the built-in one."""
     if not config or config.startswith("ocio://"):
         return config or ""
     return content_hash(config)
 
 
-def _let_go(error: BaseException) -> None:
-    """Empty the frames of the tracebacks: a failed frame's report must not keep its images in memory."""
+def _free_images(error: BaseException) -> None:
+    """Clear the stack frames of an error's tracebacks, so that a report of failure keeps no image in memory."""
     cause: BaseException | None = error
     while cause is not None:
         traceback.clear_frames(cause.__traceback__)

@@ -1,4 +1,4 @@
-"""What became of each frame and of the whole run, and the same as plain events."""
+"""Reports what became of each frame and of the whole run, as objects and as plain events."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from flowabs_nodes.errors import FlowabsError
 
 Status = Literal["done", "skipped", "failed"]
 
-#: Gets each event of a run as a plain dict, in order; see :func:`note_event`, :func:`frame_event`.
+#: A function that is called with each event of a run, a plain dict, in order: :func:`start_event` and those below it.
 Listener = Callable[[dict[str, Any]], None]
 
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """Something to tell the person who runs the graph. What has ``once`` is said once per run, node and that word."""
+    """Something to tell the person who runs the graph. ``once``: tell it only once per run, node and this word."""
 
     text: str
     node: str = ""
@@ -53,7 +53,7 @@ class Report:
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many frames are done, skipped, failed."""
+        """How many frames are done, skipped and failed."""
         counts = {"done": 0, "skipped": 0, "failed": 0}
         for frame in self.frames:
             counts[frame.status] += 1
@@ -64,18 +64,18 @@ class Report:
 
 
 def start_event(graph: str, frames: int) -> dict[str, Any]:
-    """The run begins: graph's name, how many frames."""
+    """Return the event of a run that begins: the graph's name, and how many frames there are to make."""
     return {"event": "start", "graph": graph, "frames": frames}
 
 
 def note_event(note: Note, frame: int | None = None) -> dict[str, Any]:
-    """Something to know about a frame, or (frame None) about the graph; ``level`` is "note" or "warning"."""
+    """Return the event of a note on a frame, or (frame None) on the graph; ``level`` is "note" or "warning"."""
     level = "warning" if note.warning else "note"
     return {"event": "note", "frame": frame, "node": note.node or None, "level": level, "text": note.text}
 
 
 def frame_event(report: FrameReport) -> dict[str, Any]:
-    """A frame has ended: its status, the file (``files``, where there are several), seconds, error as plain data."""
+    """Return the event of a frame that has ended: status, file (or ``files``), seconds, the error as plain data."""
     return {
         "event": "frame",
         "frame": report.frame,
@@ -89,5 +89,5 @@ def frame_event(report: FrameReport) -> dict[str, Any]:
 
 
 def end_event(report: Report) -> dict[str, Any]:
-    """The run has ended: counts by status, seconds, exit code."""
+    """Return the event of a run that has ended: counts by status, seconds, exit code."""
     return {"event": "end", **report.counts, "seconds": round(report.seconds, 4), "exit_code": report.exit_code}

@@ -1,4 +1,4 @@
-"""Smaller pictures, for ``--scale``."""
+"""Makes pictures smaller, for ``--scale``."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _REACH = 3  # half its width, in pixels of the smaller picture
 
 
 def scale_window(window: Window, scale: float) -> Window:
-    """Both edges rounded to whole pixels, at least one pixel wide and high; equal windows stay equal."""
+    """Scale a window: both edges are rounded to whole pixels, at least one apart; equal windows stay equal."""
     x0, y0 = _rounded(window.x * scale), _rounded(window.y * scale)
     x1, y1 = _rounded((window.x + window.width) * scale), _rounded((window.y + window.height) * scale)
     return Window(x0, y0, max(1, x1 - x0), max(1, y1 - y0))
@@ -30,9 +30,14 @@ def _rounded(value: float) -> int:
 
 
 def scale_image(image: Image, scale: float) -> Image:
-    """The same picture with both windows smaller; metadata and origin stay.
+    """Return the picture with both windows scaled by ``scale``, above 0 up to 1; metadata and origin stay.
 
     Color, mono and matte are filtered. Flow and data are taken from the nearest pixel: directions and ids have no mean.
+
+    Raises
+    ------
+    FlowabsError
+        resize-failed, with what OpenImageIO says.
     """
     if scale == 1:
         return image
@@ -45,9 +50,9 @@ def scale_image(image: Image, scale: float) -> Image:
 
 
 def _places(image: Image, display: Window, positions: npt.NDArray[Any], axis: int) -> npt.NDArray[Any]:
-    """Positions along an axis (0 is x, 1 is y) of the smaller plane, as positions in the image's rows or columns.
+    """Map positions along an axis (0 is x, 1 is y) of the smaller plane to positions in the image's columns or rows.
 
-    Display window goes to display window, as in OpenImageIO.
+    The display window is mapped to the display window, as in OpenImageIO.
     """
     shares = (positions - display[axis]) / display[axis + 2]
     full, data = image.display_window, image.data_window
@@ -56,6 +61,8 @@ def _places(image: Image, display: Window, positions: npt.NDArray[Any], axis: in
 
 
 def _nearest(image: Image, data: Window, display: Window) -> Array:
+    """Resize by taking the nearest pixel."""
+
     def indices(axis: int) -> npt.NDArray[np.intp]:
         centres = np.arange(data[axis], data[axis] + data[axis + 2]) + 0.5
         places = np.floor(_places(image, display, centres, axis)).astype(np.intp)
@@ -66,6 +73,7 @@ def _nearest(image: Image, data: Window, display: Window) -> Array:
 
 
 def _filtered(image: Image, data: Window, display: Window) -> Array:
+    """Resize with OpenImageIO's :data:`FILTER`."""
     # OIIO reads black outside the data window: with the border repeated, as the filters have it, no rim appears.
     x, y, width, height = image.data_window
     rim = math.ceil(_REACH * max(width / data.width, height / data.height)) + 2
@@ -82,6 +90,7 @@ def _filtered(image: Image, data: Window, display: Window) -> Array:
 
 
 def _buffer(data: Window, display: Window, channels: int) -> oiio.ImageBuf:
+    """Make an ImageBuf of float channels with these windows."""
     spec = oiio.ImageSpec(data.width, data.height, channels, oiio.FLOAT)
     spec.x, spec.y = data.x, data.y
     spec.full_x, spec.full_y, spec.full_width, spec.full_height = display
@@ -89,9 +98,9 @@ def _buffer(data: Window, display: Window, channels: int) -> oiio.ImageBuf:
 
 
 def _without_overshoot(pixels: Array, image: Image, data: Window, display: Window) -> Array:
-    """Each pixel held to the range of those it covers in the image.
+    """Clamp each pixel to the range of the pixels that it covers in the image.
 
-    No dark rim appears beside a highlight, nothing becomes negative, and what is opaque stays exactly so.
+    So no dark rim appears beside a highlight, nothing becomes negative, and alpha 1 stays exactly 1.
     """
     low = high = np.pad(image.pixels, ((0, 1), (0, 1), (0, 0)), mode="edge")  # reduceat wants an index after the last
     for axis in (0, 1):

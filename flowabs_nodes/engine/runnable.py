@@ -1,4 +1,4 @@
-"""A graph that can be run from Python, image in and image out, without any file being written."""
+"""Runs a graph from Python, images in and images out, without writing any file."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any, cast
 
 from flowabs_nodes import graph as graphs
 from flowabs_nodes.engine.evaluate import Evaluation
-from flowabs_nodes.engine.lengths import check_scale
+from flowabs_nodes.engine.options import RunOptions
 from flowabs_nodes.engine.plan import Result, Unit, make_plan, named_result, sinks
 from flowabs_nodes.engine.report import Listener, Note, note_event
 from flowabs_nodes.engine.resize import scale_image
@@ -19,6 +19,9 @@ from flowabs_nodes.errors import ArgumentError, CommandError
 from flowabs_nodes.graph.model import Graph
 from flowabs_nodes.image import Image, PortType
 from flowabs_nodes.io.settings import Settings
+
+#: A path, the name of a graph that comes with the package, its content as a dict, or one that is loaded.
+GraphSource = str | Path | Mapping[str, Any] | Graph
 
 log = logging.getLogger("flowabs")
 
@@ -40,17 +43,21 @@ class RunnableGraph(Graph):
 
         Parameters
         ----------
+        frame
+            The frame's number, for curves and for files of sequences.
         given
-            Images that stand in for outputs, by ``"node"`` (its first output) or ``"node.output"``. What only they
-            would have needed, files included, is not touched.
+            Images that stand in for outputs, by ``"node"`` (its first output) or ``"node.output"``. Whatever only
+            these outputs depend on, files included, is not touched.
         set
             Values of knobs and parameters: ``{"line_width": 1.5, "lines.softness": 2}``.
         outputs
-            What to compute, named as in ``given``. Without it: what goes into the graph's ``write`` nodes.
+            The outputs to compute, named as in ``given``. Without them, all that go into the graph's ``write`` nodes.
         scale
             Above 0 up to 1: makes the pictures that come in smaller, and pixel lengths with them.
+        settings
+            How pictures are read: the largest size, the OCIO config, the folder that may be touched.
         on_event
-            Gets a dict for each note and warning; without it they go to the logger "flowabs".
+            Called with a dict for each note and warning; without it they go to the logger "flowabs".
 
         Returns
         -------
@@ -60,24 +67,28 @@ class RunnableGraph(Graph):
         Raises
         ------
         GraphError
-            For wrong values in ``set``.
+            Values in ``set`` are wrong.
         CommandError
-            For names that do not exist (with the nearest), and where a file to read is neither set nor its image given.
+            A name does not exist (the nearest is told), or a file to read is not set and its image not given.
+        ArgumentError
+            ``scale`` is out of range, or something given is not an image of the output's type.
         FlowabsError
             Whatever went wrong while computing, with node and frame.
         """
         graph = self.with_set(set) if set else self
-        scale, settings = check_scale(scale), settings or Settings()
-        images = {result: scale_image(image, scale) for result, image in _given(graph, given or {}, frame).items()}
-        names = tuple(outputs) if outputs is not None else _written(graph)
+        options = RunOptions(scale=scale, **vars(settings or Settings()))
+        images = {
+            result: scale_image(image, scale) for result, image in _given_images(graph, given or {}, frame).items()
+        }
+        names = tuple(outputs) if outputs is not None else _written_outputs(graph)
         wanted = {name: named_result(graph, name, frame) for name in names}
         steps = make_plan(graph, frame, results=wanted.values(), given=images)
         params = {Unit(node, frame): values for node, values in graph.values(frame).items()}
-        sources = find_sources(graph, steps, params, missing=None, settings=settings)
+        sources = find_sources(graph, steps, params, options)
         left_out = next((unit for unit, source in sources.items() if source.skip), None)
         if left_out is not None:
             raise CommandError("no such file, and missing frames are skipped", code="missing-file", node=left_out.node)
-        evaluation = Evaluation(graph, params, sources, settings, scale)
+        evaluation = Evaluation(graph, params, sources, options)
         try:
             results = evaluation.run(steps, images, keep=wanted.values())
         finally:
@@ -85,12 +96,18 @@ class RunnableGraph(Graph):
         return {name: results[result] for name, result in wanted.items()}
 
     def with_set(self, values: Mapping[str, Any]) -> RunnableGraph:
-        """The graph with other values of knobs and parameters; GraphError names each that is wrong."""
+        """Return the graph with other values of knobs and parameters.
+
+        Raises
+        ------
+        GraphError
+            With every wrong name and value in ``problems``.
+        """
         return _runnable(super().with_set(values))
 
 
-def load_graph(source: str | Path | Mapping[str, Any] | Graph) -> RunnableGraph:
-    """A graph from a file, the name of one that comes with the package, or its content as a dict.
+def load_graph(source: GraphSource) -> RunnableGraph:
+    """Load a graph from a file, by the name of one that comes with the package, or from its content as a dict.
 
     Raises
     ------
@@ -101,13 +118,14 @@ def load_graph(source: str | Path | Mapping[str, Any] | Graph) -> RunnableGraph:
 
 
 def _runnable(graph: Graph) -> RunnableGraph:
+    """Return the same graph with :meth:`RunnableGraph.run`."""
     if isinstance(graph, RunnableGraph):
         return graph
     return RunnableGraph(**{field.name: getattr(graph, field.name) for field in fields(graph)})
 
 
-def _given(graph: Graph, given: Mapping[str, Image], frame: int) -> dict[Result, Image]:
-    """Images by the result they stand in for, each of a type that the output may have."""
+def _given_images(graph: Graph, given: Mapping[str, Image], frame: int) -> dict[Result, Image]:
+    """Return the images by the result they stand in for, each as a type that the output may have."""
     images: dict[Result, Image] = {}
     for name, image in given.items():
         result = named_result(graph, name, frame)
@@ -132,8 +150,8 @@ def _given(graph: Graph, given: Mapping[str, Image], frame: int) -> dict[Result,
     return images
 
 
-def _written(graph: Graph) -> tuple[str, ...]:
-    """The names of all that goes into the graph's write nodes."""
+def _written_outputs(graph: Graph) -> tuple[str, ...]:
+    """Return the names of all outputs that go into the graph's write nodes."""
     names: dict[str, None] = {}
     for sink in sinks(graph):
         for link in graph.nodes[sink].inputs.values():
@@ -147,6 +165,7 @@ def _written(graph: Graph) -> tuple[str, ...]:
 
 
 def _tell(notes: Iterable[Note], frame: int, on_event: Listener | None) -> None:
+    """Tell a frame's notes to the listener, or write them to the log where there is none."""
     for note in notes:
         if on_event is not None:
             on_event(note_event(note, frame))

@@ -1,4 +1,4 @@
-"""Stopping a run in good order: Ctrl-C, or a farm's SIGTERM."""
+"""Stops a run in good order on Ctrl-C, or on a farm's SIGTERM."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from types import FrameType
 
 
 class Stopped(KeyboardInterrupt):
-    """A signal asked the run to stop. Like any KeyboardInterrupt it is no Exception: nothing takes it for a failure."""
+    """A signal asked the run to stop. Like KeyboardInterrupt it is no Exception, and so never taken for a failure."""
 
     def __init__(self, number: int = signal.SIGINT) -> None:
         super().__init__(signal.Signals(number).name)
@@ -18,13 +18,13 @@ class Stopped(KeyboardInterrupt):
 
     @property
     def exit_code(self) -> int:
-        """What a process stopped by this signal exits with: 130 for SIGINT, 143 for SIGTERM."""
+        """The exit code of a process that this signal stopped: 130 for SIGINT, 143 for SIGTERM."""
         return 128 + self.number
 
 
 @contextmanager
 def stop_on_signals() -> Iterator[None]:
-    """While inside, SIGINT and SIGTERM raise :class:`Stopped` (in the main thread; elsewhere nothing changes)."""
+    """Let SIGINT and SIGTERM raise :class:`Stopped` inside, in the main thread; in any other nothing changes."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return

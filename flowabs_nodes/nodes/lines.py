@@ -36,7 +36,14 @@ FORM = Param.enum(
 #: The difference of Gaussians, eq. 8.
 DIFFERENCE = (
     Param.float(
-        "sigma_c", 1.0, min=0.05, max=200, soft=(0.3, 4), unit="px", help="Centre Gaussian: sets the width of the line."
+        "sigma_c",
+        1.0,
+        min=0.05,
+        max=200,
+        soft=(0.3, 4),
+        unit="px",
+        thin_below=1.0,
+        help="Centre Gaussian: sets the width of the line.",
     ),
     Param.float(
         "rho",

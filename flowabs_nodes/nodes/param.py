@@ -44,6 +44,7 @@ class Param:
     in_key: Flag = True  # False: does not change the picture, so not the key either (a written file's path)
     schema: Mapping[str, Any] = field(default_factory=dict, hash=False)  # custom: its JSON Schema
     parse: Callable[[Any], str | None] | None = None  # custom: what is wrong with a value, or None
+    thin_below: Number | None = None  # scaled to less pixels than this, what is drawn depends on the picture's size
 
     @staticmethod
     def float(
@@ -56,11 +57,13 @@ class Param:
         soft: tuple[Number, Number] | None = None,
         unit: str = "",
         nullable: Flag = False,
+        thin_below: Number | None = None,
         help: str,
     ) -> Param:
         """A number. Unit "px" makes it a length, which scales with the plate; a unit per pixel ("…/px") the reverse."""
         scales = 1 if unit == "px" else -1 if unit.endswith("/px") else 0
-        return Param(name, "float", default, help, min, max, above, soft, unit, nullable=nullable, scales=scales)
+        limits = (min, max, above, soft, unit)
+        return Param(name, "float", default, help, *limits, nullable=nullable, scales=scales, thin_below=thin_below)
 
     @staticmethod
     def int(

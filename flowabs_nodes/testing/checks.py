@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from flowabs_nodes.array_types import Array
-from flowabs_nodes.engine.call_node import apply, deliver
+from flowabs_nodes.engine.call_node import call_node, call_sink
 from flowabs_nodes.engine.error_boundary import InternalError
 from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.image import PORT_TYPES, Image
@@ -158,11 +158,11 @@ def reads_or_takes_a_picture(node: Node, param: Param) -> None:
         context, file = Context(node=node.type, services=Settings()), os.path.join(folder, "picture.exr")
         if param.role == "input":
             make_input("color", "alpha", 20, 24).to_imagebuf().write(file)
-            for name, image in apply(node, context, {}, {param.name: file}).items():
+            for name, image in call_node(node, context, {}, {param.name: file}).items():
                 require(finite(image), f"output {name!r} is not finite")
             return
         for port in node.inputs:
             for kind in (kind for kind in PORT_TYPES if port.takes(kind)):
                 layers = {f"layer_{each}": make_input(each, "shapes", 20, 24) for each in PORT_TYPES}
                 inputs = {port.name: make_input(kind, "alpha", 20, 24), **(layers if node.extra_inputs else {})}
-                deliver(node, context, inputs, {param.name: file})
+                call_sink(node, context, inputs, {param.name: file})

@@ -7,7 +7,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from flowabs_nodes.engine.call_node import apply
+from flowabs_nodes.engine.call_node import call_node
 from flowabs_nodes.image import Image, PortType
 from flowabs_nodes.nodes.declare import Context, Node
 from flowabs_nodes.testing.pictures import make_input
@@ -28,7 +28,7 @@ def run_node(
 ) -> dict[str, Image]:
     """The node's outputs, all or the one wanted, with defaults for what ``params`` leaves out."""
     context = Context(node=node.type, wanted=frozenset({wanted} if wanted else ()))
-    return apply(node, context, inputs, params or {})
+    return call_node(node, context, inputs, params or {})
 
 
 def inputs_of(node: Node, scene: str, height: int = 20, width: int = 24, optional: bool = True) -> dict[str, Image]:

@@ -1,4 +1,4 @@
-"""The command line and the engine together, on small files: what is on disk, what is said, the exit code."""
+"""``flowabs run`` on small files: what is on disk, what is said, the exit code; and what it hands to the engine."""
 
 import json
 import signal
@@ -11,6 +11,8 @@ import OpenImageIO as oiio
 import pytest
 
 from flowabs_nodes import cli
+from flowabs_nodes.engine.options import EXISTING, RunOptions
+from flowabs_nodes.io.sequences import MISSING
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -185,3 +187,54 @@ def test_a_run_that_is_stopped_leaves_whole_frames_only(shot, number, code):
     assert 1 <= len(names("made")) < 300
     assert all(name.startswith("out.") and name.endswith(".exr") for name in names("made"))
     assert all(pixels(f"made/{name}") is not None for name in names("made"))
+
+
+# ---------------------------------------------------------------------- what is handed to the engine, here a stand-in
+
+
+def test_run_hands_everything_over(flowabs, fake_run, tmp_path):
+    arguments = ["-i", "in.####.exr", "-o", "out.####.exr", "-o", "out.####.png", "--frames", "1001-1002"]
+    arguments += [
+        "--set",
+        "line_width=1.5",
+        "--set",
+        "lines.kernel=full",
+        "--set",
+        "comp.ink=[1, 0, 0]",
+        "--set",
+        "a=b=c",
+    ]
+    arguments += ["--existing", "overwrite", "--missing", "hold", "--scale", "0.5", "--profile"]
+    arguments += ["--root", tmp_path, "--max-pixels", "100", "--ocio", "studio.ocio"]
+    assert flowabs("run", "abstraction", *arguments)[0] == 1
+    options = RunOptions(
+        input="in.####.exr",
+        output=("out.####.exr", "out.####.png"),
+        frames="1001-1002",
+        set={"line_width": 1.5, "lines.kernel": "full", "comp.ink": [1, 0, 0], "a": "b=c"},
+        scale=0.5,
+        existing="overwrite",
+        missing="hold",
+        max_pixels=100,
+        ocio="studio.ocio",
+        root=tmp_path,
+    )
+    assert fake_run == [("abstraction", options, True)]
+
+
+def test_run_without_options(flowabs, fake_run):
+    flowabs("run", "lines")
+    assert fake_run == [("lines", RunOptions(output=(), set={}), False)]
+
+
+def test_the_words_of_the_options_are_the_engines():
+    words = {option.name: getattr(option.type, "choices", None) for option in cli.run.params}
+    assert tuple(words["existing"]) == EXISTING
+    assert tuple(words["missing"]) == MISSING
+
+
+def test_a_run_refuses_an_unknown_kernel_path_at_once(flowabs, monkeypatch):
+    monkeypatch.setenv("FLOWABS_SIMD", "sse2")
+    code, out, err = flowabs("run", "lines", "-i", "plate.exr", "-o", "out.exr")
+    assert (code, out) == (2, "")
+    assert "found 'sse2'" in err

@@ -1,4 +1,4 @@
-"""Small nodes and graphs for the engine's tests, which need no kernel, no file and no graph document."""
+"""Makes small nodes and graphs for the engine's tests, which need no kernel, no file and no graph document."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ SPLIT = Node(
 
 
 def node(name: str, declaration: Node, inputs: Mapping[str, str] | None = None, **params: Any) -> SimpleNamespace:
-    """A graph's node as the engine sees it."""
+    """Return a graph's node as the engine sees it."""
     links = {}
     for port, link in (inputs or {}).items():
         source, _, output = link.partition(".")
@@ -58,7 +58,7 @@ def node(name: str, declaration: Node, inputs: Mapping[str, str] | None = None, 
 
 
 def graph(*nodes: SimpleNamespace, reference_height: float | None = None) -> Any:
-    """A graph as the engine sees it."""
+    """Return a graph as the engine sees it."""
     return SimpleNamespace(
         name="fake",
         reference_height=reference_height,
@@ -68,7 +68,7 @@ def graph(*nodes: SimpleNamespace, reference_height: float | None = None) -> Any
 
 
 def picture(height: int = 6, width: int = 8, alpha: bool = False, seed: int = 1) -> Image:
-    """Noise in 0..1, with windows, metadata and perhaps alpha of its own."""
+    """Return noise in 0..1, with windows, metadata and perhaps alpha of its own."""
     rng = np.random.default_rng(seed)
     image = Image.from_array(rng.random((height, width, 4 if alpha else 3)))
     spec = image.spec

@@ -3,7 +3,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from flowabs_nodes.engine.call_node import apply, deliver
+from flowabs_nodes.engine.call_node import call_node, call_sink
 from flowabs_nodes.engine.error_boundary import InternalError
 from flowabs_nodes.errors import ArgumentError, FlowabsError
 from flowabs_nodes.image import Image, Origin, Window
@@ -22,15 +22,15 @@ def changed(declaration, run, **fields):
 
 def test_runs_with_defaults():
     image = picture()
-    result = apply(ADD, Context(), {"image": image}, {})["image"]
+    result = call_node(ADD, Context(), {"image": image}, {})["image"]
     np.testing.assert_array_equal(result.pixels, image.pixels + np.float32(1))
     assert (result.data_window, result.display_window) == (image.data_window, image.display_window)
     assert result.spec.get("owner") == "somebody"
 
 
 def test_only_what_is_wanted_comes_back():
-    assert set(apply(SPLIT, Context(wanted=frozenset({"mono"})), {"image": picture()}, {})) == {"mono"}
-    assert set(apply(SPLIT, Context(), {"image": picture()}, {})) == {"matte", "mono"}
+    assert set(call_node(SPLIT, Context(wanted=frozenset({"mono"})), {"image": picture()}, {})) == {"mono"}
+    assert set(call_node(SPLIT, Context(), {"image": picture()}, {})) == {"matte", "mono"}
 
 
 @pytest.mark.parametrize("kind", ["mono", "matte"])
@@ -38,7 +38,7 @@ def test_an_input_is_widened_to_what_the_port_takes(kind):
     image = picture()
     grey = image.with_pixels(image.pixels[..., 0], kind)
     color_only = changed(ADD, ADD.run, inputs=(Port("image", "color", "."),))
-    result = apply(color_only, Context(), {"image": grey}, {})["image"]
+    result = call_node(color_only, Context(), {"image": grey}, {})["image"]
     assert result.channels == ("R", "G", "B")
     np.testing.assert_array_equal(result.pixels[..., 2], grey.pixels[..., 0] + np.float32(1))
 
@@ -50,7 +50,7 @@ def test_optional_inputs_that_are_not_connected_are_none():
         seen["other"] = other
         return image
 
-    apply(
+    call_node(
         changed(ADD, run, inputs=(IMAGE, Port("other", "mono", ".", optional=True))),
         Context(),
         {"image": picture()},
@@ -66,7 +66,7 @@ def test_optional_inputs_that_are_not_connected_are_none():
 def test_result_goes_over_input_by_mask_times_mix(alpha):
     image = picture(alpha=alpha)
     mask = matte(np.linspace(0, 1, 8), image)
-    result = apply(ADD, Context(), {"image": image, "mask": mask}, {"mix": 0.5})["image"]
+    result = call_node(ADD, Context(), {"image": image, "mask": mask}, {"mix": 0.5})["image"]
     expected = image.pixels + 0.5 * mask.pixels
     np.testing.assert_allclose(result.pixels, expected, atol=1e-6)  # alpha too
 
@@ -79,9 +79,9 @@ def test_full_mix_is_the_result_itself_and_none_is_the_input_itself():
         return kept["result"]
 
     node = changed(ADD, run)
-    assert apply(node, Context(), {"image": image}, {"mix": 1})["image"] is kept["result"]
+    assert call_node(node, Context(), {"image": image}, {"mix": 1})["image"] is kept["result"]
     kept.clear()
-    assert apply(node, Context(), {"image": image}, {"mix": 0})["image"] is image
+    assert call_node(node, Context(), {"image": image}, {"mix": 0})["image"] is image
     assert not kept, "a node whose result nobody sees does not run"
 
 
@@ -89,7 +89,7 @@ def test_mask_of_one_and_zero_change_no_bit():
     image = picture()
     step = np.zeros(8)
     step[4:] = 1
-    result = apply(ADD, Context(), {"image": image, "mask": matte(step, image)}, {"amount": 0.3})["image"]
+    result = call_node(ADD, Context(), {"image": image, "mask": matte(step, image)}, {"amount": 0.3})["image"]
     np.testing.assert_array_equal(result.pixels[:, :4], image.pixels[:, :4])
     np.testing.assert_array_equal(result.pixels[:, 4:], image.pixels[:, 4:] + np.float32(0.3))
 
@@ -98,7 +98,7 @@ def test_a_mask_on_another_window_is_zero_outside_it():
     image = picture()
     x, y, width, height = image.data_window
     mask = matte(1, image).on_window(Window(x + 2, y, width, height))
-    result = apply(ADD, Context(), {"image": image, "mask": mask}, {})["image"]
+    result = call_node(ADD, Context(), {"image": image, "mask": mask}, {})["image"]
     np.testing.assert_array_equal(result.pixels[:, :2], image.pixels[:, :2])
     np.testing.assert_array_equal(result.pixels[:, 2:], image.pixels[:, 2:] + np.float32(1))
 
@@ -110,12 +110,12 @@ def test_further_color_outputs_are_multiplied_by_mask_and_mix():
 
     outputs = (ADD.outputs[0], Port("ink", "color", "."), Port("other", "matte", "."))
     image = picture()
-    found = apply(
+    found = call_node(
         changed(ADD, run, outputs=outputs), Context(), {"image": image, "mask": matte(0.5, image)}, {"mix": 0.5}
     )
     assert (found["ink"].pixels == 0.25).all()
     assert (found["other"].pixels == 1).all()
-    found = apply(changed(ADD, run, outputs=outputs), Context(), {"image": image}, {"mix": 0})
+    found = call_node(changed(ADD, run, outputs=outputs), Context(), {"image": image}, {"mix": 0})
     assert found["image"] is image
     assert (found["ink"].pixels == 0).all()
 
@@ -129,7 +129,7 @@ def test_inputs_on_different_windows_are_refused_and_both_named():
     with pytest.raises(
         FlowabsError, match=r"'flow' has the data window 8x6\+0\+0, but input 'image' has 8x6\+3-2"
     ) as failure:
-        apply(node, Context(frame=7, node="lines"), {"image": picture(), "flow": flow}, {})
+        call_node(node, Context(frame=7, node="lines"), {"image": picture(), "flow": flow}, {})
     assert (failure.value.code, failure.value.node, failure.value.frame) == ("window-mismatch", "lines", 7)
 
 
@@ -143,7 +143,7 @@ def test_layers_are_brought_to_the_image_window():
     sink = changed(ADD, run, outputs=(), extra_inputs=Port("*", "any", "A layer."))
     image = picture()
     depth = Image.from_array(np.ones((2, 2)), type="data", channels=("Z",))
-    assert deliver(sink, Context(), {"image": image, "depth": depth}, {}) == {"picture": 1}
+    assert call_sink(sink, Context(), {"image": image, "depth": depth}, {}) == {"picture": 1}
     assert seen["depth"].data_window == image.data_window
     assert seen["depth"].pixels.sum() == 0  # image begins at x = 3
 
@@ -151,7 +151,7 @@ def test_layers_are_brought_to_the_image_window():
 def test_a_layer_cannot_be_called_like_a_parameter():
     sink = changed(ADD, ADD.run, outputs=(), extra_inputs=Port("*", "any", "A layer."))
     with pytest.raises(FlowabsError, match="cannot be called 'amount'"):
-        deliver(sink, Context(), {"image": picture(), "amount": picture()}, {})
+        call_sink(sink, Context(), {"image": picture(), "amount": picture()}, {})
 
 
 def test_metadata_and_origin_that_a_node_loses_are_put_back():
@@ -163,7 +163,7 @@ def test_metadata_and_origin_that_a_node_loses_are_put_back():
 
     plain = picture()
     image = Image(plain.pixels, plain.spec, "color", origin=Origin("plate.exr"))
-    result = apply(changed(ADD, run), Context(), {"image": image}, {})["image"]
+    result = call_node(changed(ADD, run), Context(), {"image": image}, {})["image"]
     assert (result.spec.get("owner"), result.spec.get("comment")) == ("somebody", "new")
     assert result.origin == image.origin
 
@@ -190,7 +190,7 @@ def a_flow():
 def test_wrong_inputs_and_parameters(inputs, params, code, words):
     images = {name: make() for name, make in inputs.items()}
     with pytest.raises(FlowabsError, match=words) as failure:
-        apply(ADD, Context(node="sum"), images, params)
+        call_node(ADD, Context(node="sum"), images, params)
     assert (failure.value.code, failure.value.node) == (code, "sum")
 
 
@@ -209,7 +209,7 @@ def test_wrong_inputs_and_parameters(inputs, params, code, words):
 )
 def test_wrong_outputs(run, words):
     with pytest.raises(FlowabsError, match=words) as failure:
-        apply(changed(ADD, run), Context(), {"image": picture()}, {})
+        call_node(changed(ADD, run), Context(), {"image": picture()}, {})
     assert (failure.value.code, failure.value.node) == ("wrong-output", "add")
 
 
@@ -218,7 +218,7 @@ def test_an_unforeseen_exception_says_node_and_frame_and_keeps_its_cause():
         return 1 / 0
 
     with pytest.raises(InternalError, match="frame 12: node sum: ZeroDivisionError: division by zero") as failure:
-        apply(changed(ADD, run), Context(frame=12, node="sum"), {"image": picture()}, {})
+        call_node(changed(ADD, run), Context(frame=12, node="sum"), {"image": picture()}, {})
     assert failure.value.code == "internal"
     assert isinstance(failure.value.__cause__, ZeroDivisionError)
 
@@ -228,7 +228,7 @@ def test_an_exception_s_many_lines_become_one():
         raise TypeError("first\nsecond\nthird")
 
     with pytest.raises(InternalError, match=r"TypeError: first$"):
-        apply(changed(ADD, run), Context(), {"image": picture()}, {})
+        call_node(changed(ADD, run), Context(), {"image": picture()}, {})
 
 
 def test_running_out_of_memory_is_said_as_such():
@@ -236,7 +236,7 @@ def test_running_out_of_memory_is_said_as_such():
         raise MemoryError
 
     with pytest.raises(InternalError, match="not enough memory") as failure:
-        apply(changed(ADD, run), Context(), {"image": picture()}, {})
+        call_node(changed(ADD, run), Context(), {"image": picture()}, {})
     assert failure.value.code == "out-of-memory"
 
 
@@ -247,7 +247,7 @@ def test_a_node_s_own_error_stays_and_gets_its_place():
         raise error
 
     with pytest.raises(ArgumentError) as failure:
-        apply(changed(ADD, run), Context(frame=3, node="sum"), {"image": picture()}, {})
+        call_node(changed(ADD, run), Context(frame=3, node="sum"), {"image": picture()}, {})
     assert failure.value is error
     assert str(error) == "frame 3: node sum: parameter amount: too odd"
 
@@ -257,7 +257,7 @@ def test_stopping_is_not_caught():
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        apply(changed(ADD, run), Context(), {"image": picture()}, {})
+        call_node(changed(ADD, run), Context(), {"image": picture()}, {})
 
 
 def test_declarations_stay_usable_as_they_are():

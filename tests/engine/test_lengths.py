@@ -1,8 +1,6 @@
-import pytest
-
-from flowabs_nodes.engine.lengths import check_scale, length_factor, scale_lengths
+from flowabs_nodes.engine.lengths import length_factor, scale_lengths
 from flowabs_nodes.engine.resize import scale_image
-from flowabs_nodes.errors import ArgumentError
+from flowabs_nodes.nodes import catalogue
 from flowabs_nodes.nodes.declare import Node, Param, Port
 from tests.engine.fakes import ADD, IMAGE, SPLIT, picture
 
@@ -13,7 +11,7 @@ LINES = Node(
     inputs=(IMAGE,),
     outputs=(Port("lines", "matte", "."),),
     params=(
-        Param.float("sigma_c", 1.0, min=0.05, max=200, unit="px", help="."),
+        Param.float("width", 1.0, min=0.05, max=200, unit="px", thin_below=0.9, help="."),
         Param.custom("reference", "max", schema={}, parse=lambda value: None, scales=-1, help="."),
         Param.float("above", 1.0, min=0, above=True, unit="px", help="."),
         Param.bool("flag", True, help="."),
@@ -43,12 +41,23 @@ def test_a_scaled_value_stays_inside_the_hard_range_and_says_so():
 
 
 def test_thin_lines_are_warned_of_once():
-    (warning,) = scale_lengths(LINES, {"sigma_c": 1.5}, 0.5)[1]
+    (warning,) = scale_lengths(LINES, {"width": 1.5}, 0.5)[1]
     assert warning.warning
     assert warning.once
-    assert "sigma_c is 0.75 px" in warning.text
-    assert scale_lengths(LINES, {"sigma_c": 2.0}, 0.5)[1] == ()
-    assert scale_lengths(LINES, {"sigma_c": 0.5}, 1.0)[1] == (), "what the graph says itself needs no warning"
+    assert "width is 0.75 px at this size: below 0.9" in warning.text
+    assert scale_lengths(LINES, {"width": 1.8}, 0.5)[1] == ()
+    assert scale_lengths(LINES, {"width": 0.5}, 1.0)[1] == (), "what the graph says itself needs no warning"
+    assert scale_lengths(SPLIT, {"length": 1.5}, 0.5)[1] == (), "a length that draws no lines may be short"
+
+
+def test_the_nodes_that_draw_lines_say_below_which_width_lines_change():
+    thin = {
+        (node.type, name): param.thin_below
+        for node in catalogue().values()
+        for name, param in node.all_params.items()
+        if param.thin_below is not None
+    }
+    assert thin == {(type, "sigma_c"): 1.0 for type in ("dog", "fdog", "fdog_iterative")}
 
 
 def test_the_factor_comes_from_the_display_window():
@@ -56,9 +65,3 @@ def test_the_factor_comes_from_the_display_window():
     assert length_factor(48, 1.0, image) == 0.5
     assert length_factor(None, 0.25, image) == 0.25
     assert length_factor(48, 0.5, scale_image(image, 0.5)) == 0.25
-
-
-@pytest.mark.parametrize("scale", [0, -1, 1.5, float("nan"), True, "half", None])
-def test_scale_must_be_a_share(scale):
-    with pytest.raises(ArgumentError, match="above 0 up to 1"):
-        check_scale(scale)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from flowabs_nodes import color
-from flowabs_nodes.engine.call_node import apply
+from flowabs_nodes.engine.call_node import call_node
 from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context
@@ -12,7 +12,7 @@ RGBA = np.random.default_rng(0).random((5, 7, 4)).astype(np.float32)
 
 
 def matte(image, **params):
-    result = apply(MATTE, Context(), {"image": image}, params)["matte"]
+    result = call_node(MATTE, Context(), {"image": image}, params)["matte"]
     assert result.type == "matte"
     return result.pixels[..., 0]
 
