@@ -9,6 +9,8 @@ import numpy as np
 import OpenEXR
 import OpenImageIO as oiio
 
+from flowabs_nodes.io import formats
+
 #: EXR's name -> OpenImageIO's.
 OIIO_NAMES = {
     "owner": "Copyright",
@@ -28,13 +30,11 @@ EXR_NAMES = {theirs: name for name, theirs in OIIO_NAMES.items()} | {
     "oiio:subimagename": "name",
 }
 
-#: What describes how pixels were stored in some file, not the picture: never carried from one file to another.
+#: Attributes, by name or beginning, that describe how pixels were stored in some file, not the picture: never carried
+#: from one file to another. Each format adds its own.
 _STORAGE = (
+    *(name for format in formats.ALL for name in format.storage),
     "oiio:",
-    "openexr:",
-    "tiff:",
-    "png:",
-    "jpeg:",
     "ICCProfile",
     "thumbnail_",
     "compression",

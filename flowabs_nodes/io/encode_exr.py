@@ -20,6 +20,7 @@ from flowabs_nodes.errors import WriteError
 from flowabs_nodes.image import Array, Image
 from flowabs_nodes.io import alpha as alphas
 from flowabs_nodes.io import attributes, exr_header, nonfinite
+from flowabs_nodes.io.formats import Format
 from flowabs_nodes.io.output_image import Picture, layer_planes, main_planes
 from flowabs_nodes.io.passthrough import alpha_left_out, kept_layers
 
@@ -33,24 +34,24 @@ _SHARED = ("displayWindow", "pixelAspectRatio", "timeCode", "chromaticities")
 _TYPES = {"float16": "half", "float32": "float", "uint32": "uint"}
 
 
-def encode_exr(picture: Picture, stamps: Mapping[str, str], warn: Say) -> bytes:
+def encode_exr(picture: Picture, format: Format, stamps: Mapping[str, str], warn: Say) -> bytes:
     """The file: the main part with image, layers and kept layers, then kept parts. ``stamps`` go into the main part."""
     channels: Planes = {}
     for name, layer in picture.layers.items():
         planes = layer_planes(name, layer, _pixels(picture, layer))
-        channels.update(_typed(name, layer, planes, _data_type(picture, layer, warn), warn))
+        channels.update(_typed(name, layer, planes, _data_type(picture, layer, format, warn), warn))
     planes = main_planes(picture.image, _pixels(picture, picture.image))
     if twice := sorted(channels.keys() & planes.keys()):
         raise WriteError(
             f"channel {twice[0]} would be both the image's and a layer's", hint="give the input another name"
         )
-    channels.update(_typed("image", picture.image, planes, _data_type(picture, picture.image, warn), warn))
+    channels.update(_typed("image", picture.image, planes, _data_type(picture, picture.image, format, warn), warn))
     channels.update(alpha_left_out(picture, warn))
     kept = kept_layers(picture, warn)
     channels = {**kept.channels, **channels}
 
     header = exr_header.exr_header(picture.image, picture.settings, warn)
-    header.update(_color_tags(picture, header))
+    header.update(_color_tags(picture, format, header))
     for name, value in picture.metadata.items():
         translated = attributes.to_exr(name, "", value)
         if translated is None:
@@ -58,7 +59,7 @@ def encode_exr(picture: Picture, stamps: Mapping[str, str], warn: Say) -> bytes:
         header[translated[0]] = translated[1]
     header.update(stamps)
     plate = exr_header.plate_compression(picture.image.spec)
-    parts = [_part(header, channels, picture.compression, plate if picture.plate_is_exr else "", warn)]
+    parts = [_part(header, channels, picture.compression, plate if picture.plate_format is format else "", warn)]
     for other, planes in kept.parts:
         theirs = other.pop("compression", "")
         other = {**other, **{name: header[name] for name in _SHARED if name in header}}
@@ -88,24 +89,24 @@ def _pixels(picture: Picture, image: Image) -> Array:
     return np.concatenate([encoded, image.pixels[..., 3:]], axis=2)
 
 
-def _color_tags(picture: Picture, header: dict[str, Any]) -> dict[str, Any]:
+def _color_tags(picture: Picture, format: Format, header: dict[str, Any]) -> dict[str, Any]:
     """What the file says about its colours: what the plate said, unless that is no longer true."""
     if picture.colorspace != "plate":
         header.pop("chromaticities", None)
         return exr_header.named_color_tags(picture.colorspace, picture.settings.ocio)
     encoded = color.detect(picture.image.spec, ocio=picture.settings.ocio).encoding is not None
-    if (encoded or not picture.plate_is_exr) and picture.image.type == "color":
+    if (encoded or picture.plate_format is not format) and picture.image.type == "color":
         header.pop("chromaticities", None)
         return exr_header.color_tags(picture.image.colorspace)
     return {}
 
 
-def _data_type(picture: Picture, image: Image, warn: Say) -> str:
+def _data_type(picture: Picture, image: Image, format: Format, warn: Say) -> str:
     """ "half" or "float" for the channels of an image."""
-    if picture.data_type in ("half", "float"):
+    if picture.data_type in format.data_types:
         return picture.data_type
     if picture.data_type != "auto" and image is picture.image:
-        warn(f"EXR cannot hold {picture.data_type}: data_type auto is used")
+        warn(f"{format.name} cannot hold {picture.data_type}: data_type auto is used")
     if image.type == "flow":
         return "float"
     basetype = image.spec.format.basetype

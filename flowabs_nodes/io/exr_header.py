@@ -14,6 +14,7 @@ from flowabs_nodes.color import ColorSpace, named
 from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.image import Image, Window
 from flowabs_nodes.io import attributes, formats
+from flowabs_nodes.io.formats.exr import EXR
 from flowabs_nodes.io.image_file import open_picture
 from flowabs_nodes.io.settings import Settings
 
@@ -71,7 +72,7 @@ def header_of_part(path: str, part: int) -> dict[str, Any]:
 def _plate(image: Image, settings: Settings, warn: Callable[[str], None]) -> tuple[dict[str, Any], dict[str, Any]]:
     """An EXR plate's attributes as OpenImageIO gives them, and its header as the OpenEXR module does."""
     origin = image.origin
-    if origin is None or formats.by_name(origin.file) != "openexr":
+    if origin is None or formats.by_extension(origin.file) is not EXR:
         return {}, {}
     try:
         with open_picture(origin.file, settings) as file:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import OpenImageIO as oiio
 
 from flowabs_nodes.errors import ReadError, nearest
-from flowabs_nodes.io.image_file import printable
+from flowabs_nodes.io.oiio_error import printable
 
 #: How files call red, green, blue, alpha.
 _RGBA = (

@@ -17,7 +17,9 @@ from flowabs_nodes import color
 from flowabs_nodes.color import detect
 from flowabs_nodes.errors import ReadError
 from flowabs_nodes.io import attributes
-from flowabs_nodes.io.image_file import check_size, printable
+from flowabs_nodes.io.formats import Format
+from flowabs_nodes.io.limits import check_readable
+from flowabs_nodes.io.oiio_error import printable
 from flowabs_nodes.io.settings import Settings
 
 Array = npt.NDArray[np.float32]
@@ -32,9 +34,9 @@ _SHRINKS_AT_MOST = 2000
 class LuminanceChromaFile:
     """A one-part EXR with Y, RY = (R - Y)/Y, BY = (B - Y)/Y and maybe A, seen as one with R, G, B[, A]."""
 
-    def __init__(self, path: str, settings: Settings) -> None:
+    def __init__(self, path: str, format: Format, settings: Settings) -> None:
         self.path = path
-        self.format = "openexr"
+        self.format = format
         self._settings = settings
         header, channels = self._open(header_only=True)
         missing = {"Y", "RY", "BY"} - set(channels)
@@ -50,7 +52,7 @@ class LuminanceChromaFile:
         spec.full_width, spec.full_height = (int(b - a) + 1 for a, b in zip(full_low, full_high, strict=True))
         attributes.to_spec(header, spec)
         spec.attribute("compression", header["compression"].name.split("_")[0].lower())
-        check_size(path, spec, 4, settings)
+        check_readable(path, spec, 4, settings)
         if spec.width * spec.height * 2 > _SHRINKS_AT_MOST * os.path.getsize(path):
             raise self._error(f"{spec.width}x{spec.height} pixels cannot be in a file this small")
         self.specs: tuple[oiio.ImageSpec, ...] = (spec,)

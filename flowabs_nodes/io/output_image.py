@@ -13,6 +13,7 @@ import OpenImageIO as oiio
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.image import Array, Image, Window
 from flowabs_nodes.io import formats
+from flowabs_nodes.io.formats import Format
 from flowabs_nodes.io.settings import Settings
 
 Say = Callable[[str], None]
@@ -45,9 +46,9 @@ class Picture:
     settings: Settings = field(default_factory=Settings)
 
     @property
-    def plate_is_exr(self) -> bool:
-        """True where the image comes from an EXR file."""
-        return self.image.origin is not None and formats.by_name(self.image.origin.file) == "openexr"
+    def plate_format(self) -> Format | None:
+        """The format of the file that the image was read from; None where it was not read from a file."""
+        return formats.by_extension(self.image.origin.file) if self.image.origin is not None else None
 
 
 def build_picture(

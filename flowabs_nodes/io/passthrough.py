@@ -37,7 +37,7 @@ def kept_layers(picture: Picture, warn: Callable[[str], None]) -> Kept:
     origin = picture.image.origin
     if not wanted:
         return Kept({})
-    if origin is None or not picture.plate_is_exr:
+    if origin is None or picture.plate_format is None or not picture.plate_format.layers:
         warn("keep_layers: the image does not come from an EXR file, so there are no other layers to keep")
         return Kept({})
     with open_picture(origin.file, picture.settings) as file:

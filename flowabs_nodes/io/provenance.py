@@ -9,7 +9,7 @@ import OpenImageIO as oiio
 
 from flowabs_nodes.errors import ReadError
 from flowabs_nodes.io import formats
-from flowabs_nodes.io.image_file import reason
+from flowabs_nodes.io.oiio_error import reason
 
 KEY = "flowabs:key"
 GRAPH = "flowabs:graph"

@@ -22,8 +22,6 @@ from flowabs_nodes.io.settings import Settings, checked
 
 Say = Callable[[str], None]
 
-NONFINITE = ("repair", "error")
-
 
 def _quiet(text: str) -> None:
     """Nobody listens."""
@@ -71,8 +69,8 @@ def read_image(
             chosen = choose_color(file.specs, layer, part)
             source = file.specs[chosen.part]
             pixels = file.read(chosen.part, chosen.channels)
-            kind = file.format
-        photographed = kind != "openexr" and source.format.basetype not in (oiio.HALF, oiio.FLOAT, oiio.DOUBLE)
+            format = file.format
+        photographed = format.display_referred and source.format.basetype not in (oiio.HALF, oiio.FLOAT, oiio.DOUBLE)
         detected = color.detect(source, colorspace, settings.ocio, display_referred=photographed)
         for text in (chosen.note, f"colour space {detected.how}"):
             if text:
@@ -81,12 +79,12 @@ def read_image(
         pixels, repairs = nonfinites.repaired(pixels, nonfinite)
         if repairs:
             note(repairs)
-        if kind != "openexr":
+        if format.oriented:
             pixels = upright(pixels, source)
 
         coverage, left_out = _coverage(pixels, chosen, alpha, note)
         rgb = np.repeat(pixels[..., :1], 3, axis=2) if chosen.grey else pixels[..., :3]
-        straight = alpha == "straight" or (alpha == "auto" and alphas.is_straight(source, kind))
+        straight = alpha == "straight" or (alpha == "auto" and format.stores_straight(source))
         space = detected.space
         if detected.encoding is not None:
             if coverage is not None and not straight:

@@ -8,15 +8,17 @@ from typing import Any
 import OpenImageIO as oiio
 
 from flowabs_nodes.io import formats
-from flowabs_nodes.io.image_file import reason
+from flowabs_nodes.io.formats import Format
+from flowabs_nodes.io.limits import too_large
+from flowabs_nodes.io.oiio_error import reason
 from flowabs_nodes.io.settings import Settings
 
 #: Rows that are decoded at a time; EXR's chunks are 1, 16, 32 or 256 rows high.
 _ROWS = 256
 
 
-def is_whole(path: str | os.PathLike[str], settings: Settings | None = None, kind: str | None = None) -> bool:
-    """True if the file is of the format ``kind`` (its name's unless given) and every pixel of every part decodes.
+def is_whole(path: str | os.PathLike[str], settings: Settings | None = None, format: Format | None = None) -> bool:
+    """True if the file is of the given format (its name's without one) and every pixel of every part decodes.
 
     Some rows are held at a time. A picture of more than ``settings.max_pixels`` is not looked at, and not whole.
     """
@@ -25,12 +27,13 @@ def is_whole(path: str | os.PathLike[str], settings: Settings | None = None, kin
         reason(oiio)
         return False
     try:
-        if source.format_name() != (kind or formats.by_name(path)):
+        expected = format or formats.by_extension(path)
+        if expected is None or source.format_name() != expected.oiio_name:
             return False
         part = 0
         while source.seek_subimage(part, 0):
             spec = source.spec()
-            if spec.width * spec.height > (settings or Settings()).max_pixels:
+            if too_large(spec.width, spec.height, settings or Settings()):
                 return False
             if not _decodes(source, spec, part) or reason(source):
                 return False

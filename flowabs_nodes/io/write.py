@@ -11,8 +11,7 @@ from contextlib import nullcontext
 
 from flowabs_nodes.errors import FlowabsError, WriteError
 from flowabs_nodes.io import formats
-from flowabs_nodes.io.encode_exr import encode_exr
-from flowabs_nodes.io.encode_flat import encode_flat
+from flowabs_nodes.io.formats import Encoder, Format
 from flowabs_nodes.io.frame_lock import Claim, claim, failure
 from flowabs_nodes.io.output_image import Picture, build_picture
 from flowabs_nodes.io.provenance import GRAPH, KEY, stored_key
@@ -41,19 +40,22 @@ def save(
     """
     name = checked(path, settings or picture.settings)
     try:
-        kind = formats.to_write(name)
+        format = formats.to_write(name)
         with nullcontext(claimed) if claimed else claim(name) as held:
-            _write(picture, kind, held, {stamp: text for stamp, text in ((KEY, key), (GRAPH, graph)) if text}, warn)
+            _write(picture, format, held, {stamp: text for stamp, text in ((KEY, key), (GRAPH, graph)) if text}, warn)
     except FlowabsError as error:
         error.at(file=os.fspath(name))
         raise
 
 
-def _write(picture: Picture, kind: str, claimed: Claim, stamps: dict[str, str], warn: Callable[[str], None]) -> None:
+def _write(
+    picture: Picture, format: Format, claimed: Claim, stamps: dict[str, str], warn: Callable[[str], None]
+) -> None:
     try:
-        data = encode_exr(picture, stamps, warn) if kind == "openexr" else encode_flat(picture, kind, stamps, warn)
+        encode: Encoder = formats.load(format.encoder)
+        data = encode(picture, format, stamps, warn)
         claimed.write(data)
-        if not claimed.holds(data) or not is_whole(claimed.temporary, picture.settings, kind):
+        if not claimed.holds(data) or not is_whole(claimed.temporary, picture.settings, format):
             raise WriteError("what was written cannot be read back", code="not-whole")
         claimed.publish()
     except OSError as error:

@@ -18,6 +18,7 @@ import pytest
 from flowabs_nodes.errors import CommandError, FlowabsError, WriteError
 from flowabs_nodes.image import Image
 from flowabs_nodes.io import write
+from flowabs_nodes.io.formats.png import PNG
 from flowabs_nodes.io.settings import Settings
 from flowabs_nodes.io.write import Picture, build_picture, is_whole, save, stored_key
 from tests.io.files import colors, exr, flat, parts, planes
@@ -218,7 +219,7 @@ def test_is_whole_looks_at_every_tile_and_part(tmp_path: Path) -> None:
     )
     for path in (tiled, parted):
         assert is_whole(path)
-        assert not is_whole(path, kind="png")
+        assert not is_whole(path, format=PNG)
         assert not is_whole(path, Settings(max_pixels=10_000))
         path.write_bytes(path.read_bytes()[:-1])
         assert not is_whole(path)
