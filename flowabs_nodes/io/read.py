@@ -14,6 +14,7 @@ from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.image import Array, Image, Origin
 from flowabs_nodes.io import alpha as alphas
 from flowabs_nodes.io import nonfinite as nonfinites
+from flowabs_nodes.io.formats import Format
 from flowabs_nodes.io.image_file import open_picture
 from flowabs_nodes.io.layers import Selection, choose_color, choose_data
 from flowabs_nodes.io.orientation import upright
@@ -48,7 +49,7 @@ def read_image(
     part
         The part of a multi-part file, by index or name; "" looks through all.
     colorspace
-        "auto" asks the file (:func:`flowabs_nodes.color.detect`); else any OCIO name.
+        "auto" asks the file (:func:`flowabs_nodes.color.detect`); else any OCIO name, or "cineon".
     alpha
         "auto": premultiplied (straight in PNG), and opaque where A is 0 in every pixel; "ignore": opaque;
         "premultiplied" and "straight": as said.
@@ -70,8 +71,7 @@ def read_image(
             source = file.specs[chosen.part]
             pixels = file.read(chosen.part, chosen.channels)
             format = file.format
-        photographed = format.display_referred and source.format.basetype not in (oiio.HALF, oiio.FLOAT, oiio.DOUBLE)
-        detected = color.detect(source, colorspace, settings.ocio, display_referred=photographed)
+        detected = _colorspace(source, format, colorspace, settings)
         for text in (chosen.note, f"colour space {detected.how}"):
             if text:
                 note(text)
@@ -134,6 +134,15 @@ def read_data(
     if nans or infs:
         note(f"{nonfinites.said(nans, infs)} in {layer or 'the data'}, left as they are")
     return Image(pixels, spec, "data", origin=Origin(os.path.abspath(name), chosen.part, chosen.layer, chosen.channels))
+
+
+def _colorspace(source: oiio.ImageSpec, format: Format, given: str, settings: Settings) -> color.Detected:
+    """Find the colour space: the one given, else what the format's own fields declare, else OpenImageIO's tags."""
+    if given in ("", "auto") and format.declared is not None:
+        declared = format.declared(source)
+        return color.detect(source, declared.name, settings.ocio, said_by=declared.source)
+    photographed = format.display_referred and source.format.basetype not in (oiio.HALF, oiio.FLOAT, oiio.DOUBLE)
+    return color.detect(source, given, settings.ocio, display_referred=photographed)
 
 
 def _coverage(pixels: Array, chosen: Selection, policy: str, note: Say) -> tuple[Array | None, str]:
