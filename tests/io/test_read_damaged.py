@@ -43,9 +43,9 @@ def test_content_must_be_what_the_name_says(tmp_path: Path) -> None:
     assert refused(wrong, "not an EXR file: it is a PNG file").code == "bad-format"
     wrong.write_text("hello world\n" * 100)
     refused(wrong, "does not begin as one")
-    other = tmp_path / "a.dpx"
+    other = tmp_path / "a.cin"
     other.write_bytes(png.read_bytes())
-    refused(other, "exr, jpg, jpeg, png, tif or tiff")
+    refused(other, "these are dpx, exr, jpg, jpeg, png, tif or tiff")
 
 
 @pytest.mark.parametrize("compression", ["ZIP", "NO", "PIZ"])

@@ -158,7 +158,8 @@ while True:
 def test_formats_that_are_not_written(tmp_path: Path, picture: Picture) -> None:
     for name, reason in (
         ("a.jpg", "JPEG is read only"),
-        ("a.dpx", "not a picture format"),
+        ("a.dpx", "DPX is read only"),
+        ("a.cin", "not a picture format"),
         ("a", "not a picture format"),
     ):
         with pytest.raises(WriteError, match=f"{reason}.*use exr, png, tif or tiff") as caught:
