@@ -1,4 +1,4 @@
-"""Premultiplied and straight colour, each from the other."""
+"""Convert straight colour to premultiplied, and back."""
 
 from __future__ import annotations
 

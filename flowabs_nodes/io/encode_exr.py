@@ -1,6 +1,6 @@
-"""A picture as the bytes of an EXR file, made in memory by the OpenEXR module.
+"""Encode a picture as the bytes of an EXR file, in memory, with the OpenEXR module.
 
-Not by OpenImageIO: on a full disk its writer can report success over a file cut short.
+OpenImageIO's writer is not used: on a full disk it can report success over a file cut short.
 """
 
 from __future__ import annotations
@@ -22,20 +22,25 @@ from flowabs_nodes.io import alpha as alphas
 from flowabs_nodes.io import attributes, exr_header, nonfinite
 from flowabs_nodes.io.formats import Format
 from flowabs_nodes.io.output_image import Picture, layer_planes, main_planes
-from flowabs_nodes.io.passthrough import alpha_left_out, kept_layers
+from flowabs_nodes.io.passthrough import alpha_left_out, passthrough_layers
 
 Say = Callable[[str], None]
 Planes = dict[str, npt.NDArray[Any]]
 
 HALF_MAX = 65504.0
 
-#: What all parts of a file must agree on.
+#: Attributes that all parts of a file must agree on.
 _SHARED = ("displayWindow", "pixelAspectRatio", "timeCode", "chromaticities")
 _TYPES = {"float16": "half", "float32": "float", "uint32": "uint"}
 
 
 def encode_exr(picture: Picture, format: Format, stamps: Mapping[str, str], warn: Say) -> bytes:
-    """The file: the main part with image, layers and kept layers, then kept parts. ``stamps`` go into the main part."""
+    """Return the file's bytes: the main part with image, layers and kept layers, then the kept parts.
+
+    ``stamps`` are attributes of the main part. ``warn`` is told what had to be changed (NaN, values beyond half), and
+    of a lossy compression. Raises WriteError where two channels would have one name, or the OpenEXR module refuses a
+    header.
+    """
     channels: Planes = {}
     for name, layer in picture.layers.items():
         planes = layer_planes(name, layer, _pixels(picture, layer))
@@ -47,7 +52,7 @@ def encode_exr(picture: Picture, format: Format, stamps: Mapping[str, str], warn
         )
     channels.update(_typed("image", picture.image, planes, _data_type(picture, picture.image, format, warn), warn))
     channels.update(alpha_left_out(picture, warn))
-    kept = kept_layers(picture, warn)
+    kept = passthrough_layers(picture, warn)
     channels = {**kept.channels, **channels}
 
     header = exr_header.exr_header(picture.image, picture.settings, warn)
@@ -76,7 +81,7 @@ def encode_exr(picture: Picture, format: Format, stamps: Mapping[str, str], warn
 
 
 def _pixels(picture: Picture, image: Image) -> Array:
-    """An image's pixels in the space that the file is to have: only colour is ever converted."""
+    """Return an image's pixels in the space that the file is to have; only a color image is ever converted."""
     if image.type != "color" or picture.colorspace == "plate":
         return image.pixels
     rgb, coverage = image.pixels[..., :3], image.alpha
@@ -90,7 +95,10 @@ def _pixels(picture: Picture, image: Image) -> Array:
 
 
 def _color_tags(picture: Picture, format: Format, header: dict[str, Any]) -> dict[str, Any]:
-    """What the file says about its colours: what the plate said, unless that is no longer true."""
+    """Return the attributes that name the file's colours; none where the plate's own, in ``header``, are still true.
+
+    Chromaticities that are no longer true are taken out of ``header``.
+    """
     if picture.colorspace != "plate":
         header.pop("chromaticities", None)
         return exr_header.named_color_tags(picture.colorspace, picture.settings.ocio)
@@ -102,7 +110,7 @@ def _color_tags(picture: Picture, format: Format, header: dict[str, Any]) -> dic
 
 
 def _data_type(picture: Picture, image: Image, format: Format, warn: Say) -> str:
-    """ "half" or "float" for the channels of an image."""
+    """Choose "half" or "float" for the channels of an image."""
     if picture.data_type in format.data_types:
         return picture.data_type
     if picture.data_type != "auto" and image is picture.image:
@@ -116,7 +124,7 @@ def _data_type(picture: Picture, image: Image, format: Format, warn: Say) -> str
 
 
 def _typed(name: str, image: Image, planes: Mapping[str, Array], kind: str, warn: Say) -> Planes:
-    """Planes in their final type, without a NaN or an Inf that nobody has been told of."""
+    """Return planes in their final type; ``warn`` is told of every NaN, and of every value beyond the type's range."""
     nans, infs = nonfinite.count(image.pixels)
     if image.type == "data" and (nans or infs):
         warn(f"{name}: {nonfinite.said(nans, infs)} written as they are")
@@ -141,7 +149,10 @@ def _typed(name: str, image: Image, planes: Mapping[str, Array], kind: str, warn
 
 
 def _part(header: dict[str, Any], planes: Planes, wanted: str, plate: str, warn: Say) -> tuple[dict[str, Any], Planes]:
-    """Header and channels of a part, with its compression."""
+    """Return header and channels of a part, with its compression.
+
+    ``wanted`` is the parameter's; "auto" keeps the plate's, ``plate``, if it is lossless for these channels, else zip.
+    """
     types = {_TYPES[str(plane.dtype)] for plane in planes.values()}
     chosen = wanted
     if wanted == "auto":
@@ -155,7 +166,7 @@ def _part(header: dict[str, Any], planes: Planes, wanted: str, plate: str, warn:
 
 
 def _name(parts: list[tuple[dict[str, Any], Planes]]) -> None:
-    """Parts of one file have names, all different."""
+    """Give every part a name of its own, which a file of several parts needs."""
     used: set[str] = set()
     for index, (header, _) in enumerate(parts):
         name = str(header.get("name") or ("rgba" if index == 0 else f"part{index}"))

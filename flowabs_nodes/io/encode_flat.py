@@ -1,4 +1,4 @@
-"""A picture as the bytes of a PNG or TIFF file: one image to look at, on its display window."""
+"""Encode a picture as the bytes of a file made to be looked at (PNG, TIFF): one image, on its display window."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A picture file that is open: its parts, and their channels as they are in the file.
+"""Open a picture file, and read channels of its parts as they are in the file.
 
 OpenImageIO reads. It answers hostile files fast and in little memory, while the OpenEXR module may need seconds and
 gigabytes. Only a file that OpenImageIO cannot read is opened by the reader that its format names.

@@ -1,4 +1,4 @@
-"""EXR files of luminance and subsampled chroma (channels Y, RY, BY), which OpenImageIO does not read."""
+"""Read EXR files of luminance and subsampled chroma (channels Y, RY, BY), which OpenImageIO does not read."""
 
 from __future__ import annotations
 
@@ -24,15 +24,19 @@ from flowabs_nodes.io.settings import Settings
 
 Array = npt.NDArray[np.float32]
 
-#: Half of the filter that OpenEXR's ``RgbaYca`` reconstructs chroma with: weights 1, 3, 5 .. 13 pixels away.
+#: The filter by which OpenEXR's ``RgbaYca`` reconstructs chroma, one half of it: weights 1, 3, 5 .. 13 pixels away.
 _TAPS = (0.627123, -0.186077, 0.087929, -0.043159, 0.019597, -0.007540, 0.002128)
 
-#: A file whose pixels would take this many times its size is taken for a bomb: the OpenEXR module does not look.
+#: A file whose pixels would take more than this many times its size is refused: the OpenEXR module would just try.
 _SHRINKS_AT_MOST = 2000
 
 
 class LuminanceChromaFile:
-    """A one-part EXR with Y, RY = (R - Y)/Y, BY = (B - Y)/Y and maybe A, seen as one with R, G, B[, A]."""
+    """A one-part EXR with Y, RY = (R - Y)/Y, BY = (B - Y)/Y and maybe A, seen as one with R, G, B[, A].
+
+    It can be read like any :class:`flowabs_nodes.io.image_file.PictureFile`. Raises ReadError where the header is
+    damaged, the picture too large, or another channel is there.
+    """
 
     def __init__(self, path: str, format: Format, settings: Settings) -> None:
         self.path = path
@@ -58,12 +62,12 @@ class LuminanceChromaFile:
         self.specs: tuple[oiio.ImageSpec, ...] = (spec,)
 
     def read(self, part: int, channels: Sequence[str]) -> Array:
-        """(H, W, C) of R, G, B, A in any order."""
+        """Return (H, W, C) float32 of R, G, B, A in any order."""
         planes = self.read_native(part, channels)
         return np.stack([planes[name].astype(np.float32) for name in channels], axis=2)
 
     def read_native(self, part: int, channels: Sequence[str]) -> dict[str, npt.NDArray[Any]]:
-        """R, G, B as the reconstruction gives them, float32; A as it is in the file."""
+        """Return planes (H, W): R, G, B float32 as the reconstruction gives them, A in the file's own data type."""
         spec = self.specs[part]
         _, found = self._open(header_only=False)
         y = found["Y"].pixels.astype(np.float32)
@@ -78,6 +82,7 @@ class LuminanceChromaFile:
         return {name: planes[name] for name in channels}
 
     def _open(self, header_only: bool) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Return the header, and the channels by name; without pixels for ``header_only``. Raises ReadError."""
         try:
             with contextlib.redirect_stdout(io.StringIO()):  # it prints its warnings there
                 file = OpenEXR.File(self.path, separate_channels=True, header_only=header_only)
@@ -90,7 +95,7 @@ class LuminanceChromaFile:
             raise self._error(f"damaged: {error}") from None
 
     def _full(self, channel: Any, name: str) -> Array:
-        """A chroma channel on every pixel. Corner and size of the data window are multiples of its sampling."""
+        """Return a chroma channel, (H, W). EXR has corner and size of the data window multiples of its sampling."""
         plane: Array = channel.pixels.astype(np.float32)
         for axis, step in enumerate((channel.ySampling, channel.xSampling)):
             if step not in (1, 2):
@@ -105,7 +110,7 @@ class LuminanceChromaFile:
 
 
 def _upsampled(samples: Array) -> Array:
-    """Twice as many along axis 0: samples on the even places, the filter between them; ends are repeated."""
+    """Return twice as many samples along axis 0: the given at even places, filtered ones between; ends are repeated."""
     count = len(samples)
     result = np.zeros((2 * count, *samples.shape[1:]), np.float32)
     result[0::2] = samples

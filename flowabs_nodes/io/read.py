@@ -1,4 +1,4 @@
-"""Reading plates and AOVs: from a file to the Image that travels through a graph."""
+"""Read plates and AOVs: from a file to the Image that travels through a graph."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Say = Callable[[str], None]
 
 
 def _quiet(text: str) -> None:
-    """Nobody listens."""
+    """Drop a message: the default where nobody listens."""
 
 
 def read_image(
@@ -40,7 +40,7 @@ def read_image(
     note: Say = _quiet,
     warn: Say = _quiet,
 ) -> Image:
-    """A plate as a color image: scene-linear, premultiplied, finite.
+    """Read a plate as a color image: scene-linear, premultiplied, finite.
 
     Parameters
     ----------
@@ -56,12 +56,16 @@ def read_image(
     nonfinite
         "repair" NaN and Inf from their neighbours, or "error".
     settings, note, warn
-        The run's limits, and who is told what was found.
+        The run's limits; functions that are told what was found, and what is wrong with it.
 
     Raises
     ------
     ReadError
-        If the file is missing, damaged, too large, not what its name says, or has no such colour.
+        If the file is missing, damaged, too large, not what its name says, or has no such layer, part or colour.
+    ColorError
+        If ``colorspace`` is no colour space.
+    CommandError
+        If the path lies outside ``settings.root``.
     """
     settings = settings or Settings()
     name = os.fspath(checked(path, settings))
@@ -111,7 +115,7 @@ def read_data(
     note: Say = _quiet,
     warn: Say = _quiet,
 ) -> Image:
-    """AOVs as a data image: the numbers as they are in the file, under their own channel names.
+    """Read AOVs as a data image: the numbers as they are in the file, under their own channel names.
 
     ``layer`` is a layer ("crypto00"), one channel ("Z", "N.X") or a part's name; "" is every channel of the part, by
     default the first. Whole numbers of an EXR keep their value up to 2**24, which is what float32 holds exactly;
@@ -146,7 +150,7 @@ def _colorspace(source: oiio.ImageSpec, format: Format, given: str, settings: Se
 
 
 def _coverage(pixels: Array, chosen: Selection, policy: str, note: Say) -> tuple[Array | None, str]:
-    """The (H, W) alpha to work with, or None and the name of the channel that was left out."""
+    """Return the (H, W) alpha to work with and ""; or None and the name of the alpha channel that is left out."""
     if not chosen.has_alpha:
         return None, ""
     coverage = np.ascontiguousarray(pixels[..., -1])
@@ -159,10 +163,10 @@ def _coverage(pixels: Array, chosen: Selection, policy: str, note: Say) -> tuple
 
 
 def _spec(source: oiio.ImageSpec, chosen: Selection, names: tuple[str, ...]) -> oiio.ImageSpec:
-    """The file's header for the channels that were read, under their new names."""
-    formats = {str(source.channelformat(source.channelnames.index(name))) for name in chosen.channels}
+    """Return the file's header for the channels that were read, under their new names and without stamps."""
+    stored = {str(source.channelformat(source.channelnames.index(name))) for name in chosen.channels}
     spec = oiio.ImageSpec(source)
-    spec.set_format(oiio.TypeDesc(formats.pop() if len(formats) == 1 else "float"))
+    spec.set_format(oiio.TypeDesc(stored.pop() if len(stored) == 1 else "float"))
     spec.nchannels = len(names)
     spec.channelnames = names
     spec.channelformats = ()

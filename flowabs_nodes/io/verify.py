@@ -1,4 +1,4 @@
-"""Whether a file is whole: every pixel of every part decodes."""
+"""Verify that a file is whole: every pixel of every part decodes."""
 
 from __future__ import annotations
 
@@ -18,9 +18,10 @@ _ROWS = 256
 
 
 def is_whole(path: str | os.PathLike[str], settings: Settings | None = None, format: Format | None = None) -> bool:
-    """True if the file is of the given format (its name's without one) and every pixel of every part decodes.
+    """Return True if a file is of the given format and every pixel of every part decodes.
 
-    Some rows are held at a time. A picture of more than ``settings.max_pixels`` is not looked at, and not whole.
+    Without ``format`` it is the one of the file's name. 256 rows are held at a time. A picture of more than
+    ``settings.max_pixels`` counts as not whole, and is not decoded.
     """
     source = oiio.ImageInput.open(os.fspath(path))
     if source is None:
@@ -45,6 +46,7 @@ def is_whole(path: str | os.PathLike[str], settings: Settings | None = None, for
 
 
 def _decodes(source: Any, spec: oiio.ImageSpec, part: int) -> bool:
+    """Return True if OpenImageIO decodes every scanline or tile of a part, or its deep samples."""
     if spec.deep:
         return source.read_native_deep_image(part, 0) is not None
     end = spec.y + spec.height

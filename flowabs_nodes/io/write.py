@@ -1,6 +1,6 @@
-"""Safe writing: at the final name there is a whole frame or nothing.
+"""Write frames safely: at the final name there is a whole frame or nothing.
 
-Claim, encode in memory, write every byte to the temporary, sync, read every pixel back, rename.
+A frame is claimed, encoded in memory, written to the temporary byte by byte, synced, read back pixel by pixel, renamed.
 """
 
 from __future__ import annotations
@@ -31,12 +31,14 @@ def save(
     claimed: Claim | None = None,
     warn: Callable[[str], None] = lambda text: None,
 ) -> None:
-    """Write a picture in the format of the file's extension: EXR, PNG or TIFF.
+    """Write a picture in the format of the file's extension (:func:`flowabs_nodes.io.formats.to_write`).
 
     ``key`` and ``graph`` are stored in the file (:func:`stored_key`). An existing file is replaced in one step.
-    ``claimed`` is a claim on the path that the caller holds already, and lets go; else one is made for the writing.
-    Raises ClaimedError where somebody else is writing it, WriteError for all else; then no temporary is left, and at
-    ``path`` is what was there before.
+    ``claimed`` is a claim on the path that the caller already holds, and will release; without one, a claim is made for
+    the time of writing. ``warn`` is told what the format cannot hold.
+
+    Raises ClaimedError where somebody else is writing the file, CommandError for a path outside ``settings.root``,
+    WriteError for all else. After an error no temporary is left, and ``path`` is as it was before.
     """
     name = checked(path, settings or picture.settings)
     try:
