@@ -159,6 +159,7 @@ def _timecode(time: int, user: int) -> OpenEXR.TimeCode:
     """Unpack SMPTE 12M time and user data, packed for 60-field television as OpenImageIO holds them."""
 
     def digits(shift: int, bits: int) -> int:
+        """Return the number of two binary-coded decimal digits."""
         packed = time >> shift & (1 << bits) - 1
         return (packed >> 4) * 10 + (packed & 15)
 

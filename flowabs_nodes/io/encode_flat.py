@@ -83,7 +83,7 @@ def _encoding(picture: Picture, data_type: str) -> str | None:
 
 
 def _encoded(image: Image, encoding: str | None, settings: Settings, warn: Say) -> npt.NDArray[np.float32]:
-    """Return (H, W, 3 or 4): straight colour in its encoding; scene-linear and premultiplied where that is None."""
+    """Return (H, W, 3 or 4): straight colour in its encoding; scene-linear, premultiplied colour for None."""
     pixels = image.pixels
     nans, _ = nonfinite.count(pixels)
     if nans:

@@ -85,6 +85,7 @@ class Claim:
         self._close()
 
     def _close(self) -> None:
+        """Close the temporary, which drops the lock."""
         if self._fd is not None:
             os.close(self._fd)
             self._fd = None
@@ -182,6 +183,7 @@ def _take(final: Path) -> tuple[Path, int]:
 
 
 def _claimed(final: Path, host: str, pid: int) -> ClaimedError:
+    """Return the error that names who is writing the frame."""
     return ClaimedError(f"being written by {host}:{pid}", file=str(final))
 
 

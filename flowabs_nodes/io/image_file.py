@@ -80,6 +80,8 @@ class _Run(NamedTuple):
 
 
 class _OiioFile:
+    """A file that OpenImageIO has open as ``source``."""
+
     def __init__(self, path: str, format: Format, specs: tuple[Any, ...], source: Any, settings: Settings) -> None:
         self.path = path
         self.format = format
@@ -134,6 +136,7 @@ class _OiioFile:
         return runs
 
     def _pixels(self, part: int, run: _Run) -> npt.NDArray[Any]:
+        """Return (H, W, C) of a run's channels. Raises ReadError where they cannot all be decoded."""
         # Not ImageBuf.get_pixels: on a truncated file that gives zeros and no error.
         pixels = self._source.read_image(part, 0, run.begin, run.end, run.data_type)
         problem = reason(self._source)

@@ -1,4 +1,4 @@
-"""The largest picture that a run reads or writes: refused before any memory is taken for a pixel."""
+"""Limit the size of pictures: one that is too large is refused before any memory is taken for a pixel."""
 
 from __future__ import annotations
 

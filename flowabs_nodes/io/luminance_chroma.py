@@ -106,6 +106,7 @@ class LuminanceChromaFile:
         return plane
 
     def _error(self, text: str) -> ReadError:
+        """Return the error that names this file."""
         return ReadError(text, code="damaged" if "damaged" in text else None, file=self.path)
 
 

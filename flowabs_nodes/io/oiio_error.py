@@ -1,4 +1,4 @@
-"""OpenImageIO's complaints, made fit for a message to people."""
+"""Make OpenImageIO's complaints fit for a message to people."""
 
 from __future__ import annotations
 

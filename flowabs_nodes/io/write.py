@@ -53,6 +53,7 @@ def save(
 def _write(
     picture: Picture, format: Format, claimed: Claim, stamps: dict[str, str], warn: Callable[[str], None]
 ) -> None:
+    """Encode, write to the claimed temporary, verify and publish. Raises WriteError."""
     try:
         encode: Encoder = formats.load(format.encoder)
         data = encode(picture, format, stamps, warn)

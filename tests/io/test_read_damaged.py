@@ -18,6 +18,7 @@ from tests.io.files import colors, deep, exr, flat, planes, raw_header
 
 
 def refused(path: Path, match: str = ".") -> ReadError:
+    """Assert that no reader takes a file, and that it counts as not whole; return the error."""
     for read in (read_image, read_data):
         with pytest.raises(ReadError, match=match) as caught:
             read(path)

@@ -1,3 +1,5 @@
+"""Frame ranges, frame tokens, and what to read for a frame that is missing."""
+
 from __future__ import annotations
 
 import time

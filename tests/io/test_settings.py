@@ -1,3 +1,5 @@
+"""A run touches no file outside its root, and takes no name that a file cannot have."""
+
 from __future__ import annotations
 
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The file formats: every module of this folder that declares a :class:`Format` adds one.
+"""Know the file formats: every module of this folder that declares a :class:`Format` adds one.
 
 A format is found by a file name's extension, or by the file's first bytes.
 """
@@ -94,8 +94,10 @@ def listed(formats: Iterable[Format], last: str = " or ") -> str:
 
 
 def _extensions(formats: Iterable[Format]) -> str:
+    """Return the extensions of formats as a list for people: "exr, png, tif or tiff"."""
     return _joined([extension[1:] for format in formats for extension in format.extensions])
 
 
 def _joined(names: list[str], last: str = " or ") -> str:
+    """Join names with commas, and ``last`` before the last one."""
     return last.join([*([", ".join(names[:-1])] if names[:-1] else []), *names[-1:]])

@@ -1,4 +1,4 @@
-"""What a file format declares about itself. All that the rest of the package asks of a format stands here."""
+"""Declare a file format: all that the rest of the package asks about one is a field here."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:  # a graph's catalogue lists the formats, and must not wait fo
 
 
 class Declared(NamedTuple):
-    """The colour space that a header declares: any name that ``read.colorspace`` takes, and where it was found."""
+    """The colour space that a header declares: a name that ``read.colorspace`` takes, and for the log its source."""
 
     name: str
     source: str
