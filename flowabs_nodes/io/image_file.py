@@ -63,6 +63,7 @@ def open_picture(path: str | os.PathLike[str], settings: Settings) -> Iterator[P
         reason(source)  # the last seek was one too far
         if not specs:
             raise ReadError("damaged: no picture in the file", file=name)
+        format.check(name)
         if reader := format.reader(specs, ""):
             yield formats.load(reader)(name, format, settings)
         else:

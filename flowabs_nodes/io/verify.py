@@ -7,6 +7,7 @@ from typing import Any
 
 import OpenImageIO as oiio
 
+from flowabs_nodes.errors import ReadError
 from flowabs_nodes.io import formats
 from flowabs_nodes.io.formats import Format
 from flowabs_nodes.io.limits import too_large
@@ -31,6 +32,7 @@ def is_whole(path: str | os.PathLike[str], settings: Settings | None = None, for
         expected = format or formats.by_extension(path)
         if expected is None or source.format_name() != expected.oiio_name:
             return False
+        expected.check(os.fspath(path))
         part = 0
         while source.seek_subimage(part, 0):
             spec = source.spec()
@@ -41,6 +43,8 @@ def is_whole(path: str | os.PathLike[str], settings: Settings | None = None, for
             part += 1
         reason(source)  # the last seek was one too far
         return part > 0
+    except ReadError:
+        return False
     finally:
         source.close()
 

@@ -18,6 +18,10 @@ class Declared(NamedTuple):
     source: str
 
 
+def _all_is_read(path: str) -> None:
+    """Trust OpenImageIO with every file."""
+
+
 def _openimageio_reads(specs: Sequence[oiio.ImageSpec], problem: str) -> str:
     """Leave every file to OpenImageIO."""
     return ""
@@ -60,6 +64,9 @@ class Format:
     reader
         Given the headers that OpenImageIO could read and its complaint, returns who opens the file instead, as
         "module:class" called with (path, format, settings); "" leaves the file to OpenImageIO.
+    check
+        Given the path of a file that OpenImageIO could open, raises ReadError where OpenImageIO would read wrong pixels
+        without a complaint.
 
     Writing:
 
@@ -91,6 +98,7 @@ class Format:
     oriented: bool = True
     integers: Literal["normalized", "exact"] = "normalized"
     reader: Callable[[Sequence[oiio.ImageSpec], str], str] = _openimageio_reads
+    check: Callable[[str], None] = _all_is_read
 
     encoder: str = ""
     data_types: tuple[str, ...] = ()

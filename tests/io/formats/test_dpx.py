@@ -65,14 +65,24 @@ def transfer(code: int) -> tuple[int, bytes]:
 
 @pytest.mark.parametrize("bits", [8, 10, 12, 16])
 @pytest.mark.parametrize("endian", ["big", "little"])
-def test_every_depth_gives_its_codes(tmp_path: Path, bits: int, endian: str) -> None:
+@pytest.mark.parametrize("width", [7, 8])
+@pytest.mark.parametrize(("channels", "names"), [(1, "Y"), (3, "RGB"), (4, "RGBA")])
+def test_every_depth_gives_its_codes(
+    tmp_path: Path, bits: int, endian: str, width: int, channels: int, names: str
+) -> None:
     """As data, codes are 0..1; OpenImageIO spreads 10 and 12 bits over 16, a tenth of a code at most."""
-    path = dpx(tmp_path / "a.dpx", codes(bits), bits, oiio__Endian=endian)
+    values = codes(bits, channels, width=width)
+    path = dpx(tmp_path / "a.dpx", values, bits, oiio__Endian=endian)
     assert path.read_bytes()[:4] == (b"SDPX" if endian == "big" else b"XPDS")
+    if (bits, channels, width) == (10, 4, 7):  # OpenImageIO leaves the last alpha of each line undefined
+        with pytest.raises(ReadError, match="lines of 7 pixels are not decoded right"):
+            read_data(path)
+        assert not is_whole(path)
+        return
     assert is_whole(path)
     image = read_data(path)
-    assert image.channels == ("R", "G", "B")
-    np.testing.assert_allclose(image.pixels * (2**bits - 1), codes(bits), atol=0.1)
+    assert image.channels == tuple(names)
+    np.testing.assert_allclose(image.pixels * (2**bits - 1), values, atol=0.1)
 
 
 @pytest.mark.parametrize("bits", [10, 12, 16])
@@ -219,7 +229,7 @@ def test_cut_short(tmp_path: Path, bits: int) -> None:
 def test_a_header_of_a_huge_picture(tmp_path: Path) -> None:
     for side in (60_000, 20_000):
         path = dpx(tmp_path / "a.dpx", codes(10), 10, (WIDTH, struct.pack(">II", side, side)))
-        with pytest.raises(ReadError, match=r"malicious|more than"):
+        with pytest.raises(ReadError, match=r"malicious|bytes are missing"):
             read_image(path)
     small = dpx(tmp_path / "b.dpx", codes(10), 10)
     with pytest.raises(ReadError, match="8x5 is more than 39 pixels"):
