@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-if TYPE_CHECKING:  # a graph's catalogue lists the formats, and must not wait for OpenImageIO
+if TYPE_CHECKING:  # help texts list the formats: no reader or writer is imported for that
     import OpenImageIO as oiio
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import ast
 import importlib
 import pkgutil
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -83,10 +85,7 @@ def test_no_format_is_asked_for_its_name() -> None:
 
 
 def test_the_formats_are_known_without_openimageio() -> None:
-    """The catalogue of nodes lists them: `flowabs nodes` must not wait for OpenImageIO."""
-    import subprocess
-    import sys
-
+    """Help texts list them: no reader or writer is imported for that."""
     code = (
         "import sys; from flowabs_nodes.io import formats; assert formats.ALL; assert 'OpenImageIO' not in sys.modules"
     )
