@@ -37,6 +37,7 @@ def detect(
     default: ColorSpace | str = "lin_rec709",
     *,
     display_referred: bool = False,
+    said_by: str = "given",
 ) -> Detected:
     """The colour space of a file with this header.
 
@@ -53,6 +54,8 @@ def detect(
     display_referred
         True for pictures of a kind that is meant to be looked at (PNG, JPEG, TIFF of whole numbers): sRGB unless they
         say else.
+    said_by
+        Who says ``given``, for ``how``: the header's own field, where a file format has one.
 
     Raises
     ------
@@ -64,9 +67,9 @@ def detect(
         config(ocio)
     fallback = space(default, ocio)
     if isinstance(given, ColorSpace):
-        return Detected(given, f"given: {given}")
+        return Detected(given, f"{said_by}: {given}")
     if given and given != "auto":
-        return _named(given, "given", fallback, ocio)
+        return _named(given, said_by, fallback, ocio)
 
     passed_over = []
     profile = _text(spec, "ICCProfile:profile_description")

@@ -21,6 +21,8 @@ SRGB_NAMES = frozenset(
         *("srgb - texture", "srgb - display", "srgb encoded rec.709 (srgb)", "utility - srgb - texture"),
     )
 )
+#: Names of the log of scanned film, where the config has none of its own: Nuke's, and OpenImageIO's for a DPX.
+CINEON_NAMES = frozenset(("cineon", "kodaklog"))
 #: Names that say that numbers are no colour.
 DATA_NAMES = frozenset(("data", "raw", "none", "utility - raw", "non-color"))
 
@@ -30,7 +32,7 @@ class Named:
     """A colour space of a config; ``space`` is the scene-linear one that its colours are brought to."""
 
     name: str
-    kind: Literal["linear", "srgb", "encoded", "data"]
+    kind: Literal["linear", "srgb", "cineon", "encoded", "data"]
     space: ColorSpace
 
 
@@ -56,7 +58,9 @@ def find(name: str, ocio: str | None = None) -> Named:
     if theirs is None:
         if ours is not None:
             return Named(name, "linear", KNOWN[ours])
-        hint = config.hint(name, [*KNOWN, "sRGB", *config.names(ocio)]) or nearest(name, KNOWN)
+        if low in CINEON_NAMES:
+            return Named(name, "cineon", KNOWN["lin_rec709"])
+        hint = config.hint(name, [*KNOWN, "sRGB", "cineon", *config.names(ocio)]) or nearest(name, KNOWN)
         raise ColorError(f"the OCIO config {ocio or config.PINNED} has no colour space {name!r}", hint=hint)
     return _measured(config.canonical(theirs, ocio), ocio)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flowabs_nodes.array_types import Array
-from flowabs_nodes.color import config, srgb
+from flowabs_nodes.color import cineon, config, srgb
 from flowabs_nodes.color.named import find
 from flowabs_nodes.color.spaces import KNOWN, ColorSpace, convert
 from flowabs_nodes.errors import ArgumentError
@@ -19,14 +19,15 @@ def linearize(pixels: Array, name: str, ocio: str | None = None) -> tuple[Array,
     pixels
         (H, W, 3 or 4) float32; alpha stays as it is, and colour is taken as not premultiplied.
     name
-        What the pixels are encoded in: an OCIO name, alias or role.
+        What the pixels are encoded in: an OCIO name, alias or role; "cineon" is known in every config.
     ocio
         An OCIO config (a path, or "ocio://..."); None is the pinned one.
 
     Returns
     -------
-    The pixels, and their scene-linear space: the known one with the encoding's own primaries (sRGB to linear Rec.709,
-    ACEScct to AP1), else ACES2065-1. A space that is linear already is left as it is; "raw" counts as linear Rec.709.
+    The pixels, and their scene-linear space: the known one with the encoding's own primaries (sRGB and Cineon to linear
+    Rec.709, ACEScct to AP1), else ACES2065-1. A space that is linear already is left as it is; "raw" counts as linear
+    Rec.709.
 
     Raises
     ------
@@ -37,6 +38,8 @@ def linearize(pixels: Array, name: str, ocio: str | None = None) -> tuple[Array,
     found = find(name, ocio)
     if found.kind == "srgb":
         rgb = srgb.linear(rgb)
+    elif found.kind == "cineon":
+        rgb = cineon.linear(rgb)
     elif found.kind == "encoded":
         theirs, ours = config.reference(ocio)
         rgb = convert(config.convert(rgb, found.name, theirs, ocio), KNOWN[ours], found.space)
@@ -60,6 +63,8 @@ def encode_named(rgb: Array, colorspace: ColorSpace, name: str, ocio: str | None
         encoded = convert(linear, colorspace, found.space)
         if found.kind == "srgb":
             encoded = srgb.encoded(encoded)
+        elif found.kind == "cineon":
+            encoded = cineon.encoded(encoded)
     return _joined(encoded, alpha)
 
 

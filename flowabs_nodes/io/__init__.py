@@ -1,1 +1,1 @@
-"""Pictures and sequences in and out of files."""
+"""Read and write pictures, and find the frames of a sequence."""

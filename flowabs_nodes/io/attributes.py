@@ -1,4 +1,7 @@
-"""Metadata in OpenImageIO's words and in an EXR header's: names and types, both ways."""
+"""Translate metadata between OpenImageIO's names and types and those of an EXR header.
+
+An attribute's name and type differ between the two: OpenImageIO's "DateTime" is EXR's "capDate".
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,9 @@ import numpy as np
 import OpenEXR
 import OpenImageIO as oiio
 
-#: EXR's name -> OpenImageIO's.
+from flowabs_nodes.io import formats
+
+#: The name in an EXR header -> OpenImageIO's name, where they differ.
 OIIO_NAMES = {
     "owner": "Copyright",
     "capDate": "DateTime",
@@ -28,13 +33,11 @@ EXR_NAMES = {theirs: name for name, theirs in OIIO_NAMES.items()} | {
     "oiio:subimagename": "name",
 }
 
-#: What describes how pixels were stored in some file, not the picture: never carried from one file to another.
+#: Attributes, by name or beginning, that describe how pixels were stored in some file, not the picture: never carried
+#: from one file to another. Each format adds its own.
 _STORAGE = (
+    *(name for format in formats.ALL for name in format.storage),
     "oiio:",
-    "openexr:",
-    "tiff:",
-    "png:",
-    "jpeg:",
     "ICCProfile",
     "thumbnail_",
     "compression",
@@ -48,7 +51,7 @@ _STORAGE = (
     "colorInteropID",
 )
 
-#: EXR attributes that are no metadata: the file cannot be read without them, or with others.
+#: EXR attributes that describe the file's structure: with a wrong value the file cannot be read.
 _STRUCTURE = (
     "channels",
     "chromaticities",
@@ -73,7 +76,7 @@ _MATRICES = {9: (3, 3), 16: (4, 4)}
 
 
 def values(spec: oiio.ImageSpec) -> dict[str, tuple[str, Any]]:
-    """Every attribute of a spec: name -> (type, value); arrays as tuples, so that they compare."""
+    """Return every attribute of a spec, name -> (type, value); arrays become tuples, which compare by value."""
     found = {}
     for attribute in spec.extra_attribs:
         try:
@@ -87,18 +90,21 @@ def values(spec: oiio.ImageSpec) -> dict[str, tuple[str, Any]]:
 
 
 def describes_picture(name: str) -> bool:
-    """False for an attribute that only says how a file stored its pixels."""
+    """Return False for an attribute that only says how a file stored its pixels."""
     return not name.startswith(_STORAGE)
 
 
 def settable(name: str) -> bool:
-    """True for an attribute that ``write.metadata`` may set: none that says how pixels are stored or where they lie."""
+    """Return True for a name that ``write.metadata`` may set: none about how pixels are stored or where they lie."""
     fits = 0 < len(name.encode("utf-8", "replace")) <= 255 and "\0" not in name
     return fits and EXR_NAMES.get(name, name) not in _STRUCTURE and describes_picture(name)
 
 
 def to_exr(name: str, kind: str, value: Any) -> tuple[str, Any] | None:
-    """An attribute of a spec as the OpenEXR module writes it, name and value; None where EXR has no such type."""
+    """Return the (name, value) that the OpenEXR module writes for an attribute; None where EXR has no such type.
+
+    ``kind`` is OpenImageIO's type, such as "float[8]"; "" leaves the type to the value.
+    """
     name = EXR_NAMES.get(name, name)
     if len(name.encode("utf-8", "replace")) > 255:
         return None
@@ -135,7 +141,7 @@ def to_exr(name: str, kind: str, value: Any) -> tuple[str, Any] | None:
 
 
 def to_spec(header: dict[str, Any], spec: oiio.ImageSpec) -> None:
-    """Put an EXR header's attributes on a spec, as OpenImageIO would name them."""
+    """Put an EXR header's attributes on a spec, under OpenImageIO's names; types that OpenImageIO lacks are dropped."""
     for name, value in header.items():
         theirs = OIIO_NAMES.get(name, name)
         if isinstance(value, str | float) or (isinstance(value, int) and not hasattr(value, "name")):
@@ -150,9 +156,10 @@ def to_spec(header: dict[str, Any], spec: oiio.ImageSpec) -> None:
 
 
 def _timecode(time: int, user: int) -> OpenEXR.TimeCode:
-    """SMPTE 12M time and flags, packed for 60-field television, as OpenImageIO holds them."""
+    """Unpack SMPTE 12M time and user data, packed for 60-field television as OpenImageIO holds them."""
 
     def digits(shift: int, bits: int) -> int:
+        """Return the number of two binary-coded decimal digits."""
         packed = time >> shift & (1 << bits) - 1
         return (packed >> 4) * 10 + (packed & 15)
 

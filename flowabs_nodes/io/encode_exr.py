@@ -1,6 +1,6 @@
-"""A picture as the bytes of an EXR file, made in memory by the OpenEXR module.
+"""Encode a picture as the bytes of an EXR file, in memory, with the OpenEXR module.
 
-Not by OpenImageIO: on a full disk its writer can report success over a file cut short.
+OpenImageIO's writer is not used: on a full disk it can report success over a file cut short.
 """
 
 from __future__ import annotations
@@ -21,37 +21,43 @@ from flowabs_nodes.errors import WriteError
 from flowabs_nodes.image import Image
 from flowabs_nodes.io import alpha as alphas
 from flowabs_nodes.io import attributes, exr_header, nonfinite
+from flowabs_nodes.io.formats import Format
 from flowabs_nodes.io.output_image import Picture, layer_planes, main_planes
-from flowabs_nodes.io.passthrough import alpha_left_out, kept_layers
+from flowabs_nodes.io.passthrough import alpha_left_out, passthrough_layers
 
 Say = Callable[[str], None]
 Planes = dict[str, npt.NDArray[Any]]
 
 HALF_MAX = 65504.0
 
-#: What all parts of a file must agree on.
+#: Attributes that all parts of a file must agree on.
 _SHARED = ("displayWindow", "pixelAspectRatio", "timeCode", "chromaticities")
 _TYPES = {"float16": "half", "float32": "float", "uint32": "uint"}
 
 
-def encode_exr(picture: Picture, stamps: Mapping[str, str], warn: Say) -> bytes:
-    """The file: the main part with image, layers and kept layers, then kept parts. ``stamps`` go into the main part."""
+def encode_exr(picture: Picture, format: Format, stamps: Mapping[str, str], warn: Say) -> bytes:
+    """Return the file's bytes: the main part with image, layers and kept layers, then the kept parts.
+
+    ``stamps`` are attributes of the main part. ``warn`` is told what had to be changed (NaN, values beyond half), and
+    of a lossy compression. Raises WriteError where two channels would have one name, or the OpenEXR module refuses a
+    header.
+    """
     channels: Planes = {}
     for name, layer in picture.layers.items():
         planes = layer_planes(name, layer, _pixels(picture, layer))
-        channels.update(_typed(name, layer, planes, _data_type(picture, layer, warn), warn))
+        channels.update(_typed(name, layer, planes, _data_type(picture, layer, format, warn), warn))
     planes = main_planes(picture.image, _pixels(picture, picture.image))
     if twice := sorted(channels.keys() & planes.keys()):
         raise WriteError(
             f"channel {twice[0]} would be both the image's and a layer's", hint="give the input another name"
         )
-    channels.update(_typed("image", picture.image, planes, _data_type(picture, picture.image, warn), warn))
+    channels.update(_typed("image", picture.image, planes, _data_type(picture, picture.image, format, warn), warn))
     channels.update(alpha_left_out(picture, warn))
-    kept = kept_layers(picture, warn)
+    kept = passthrough_layers(picture, warn)
     channels = {**kept.channels, **channels}
 
     header = exr_header.exr_header(picture.image, picture.settings, warn)
-    header.update(_color_tags(picture, header))
+    header.update(_color_tags(picture, format, header))
     for name, value in picture.metadata.items():
         translated = attributes.to_exr(name, "", value)
         if translated is None:
@@ -59,7 +65,7 @@ def encode_exr(picture: Picture, stamps: Mapping[str, str], warn: Say) -> bytes:
         header[translated[0]] = translated[1]
     header.update(stamps)
     plate = exr_header.plate_compression(picture.image.spec)
-    parts = [_part(header, channels, picture.compression, plate if picture.plate_is_exr else "", warn)]
+    parts = [_part(header, channels, picture.compression, plate if picture.plate_format is format else "", warn)]
     for other, planes in kept.parts:
         theirs = other.pop("compression", "")
         other = {**other, **{name: header[name] for name in _SHARED if name in header}}
@@ -76,7 +82,7 @@ def encode_exr(picture: Picture, stamps: Mapping[str, str], warn: Say) -> bytes:
 
 
 def _pixels(picture: Picture, image: Image) -> Array:
-    """An image's pixels in the space that the file is to have: only colour is ever converted."""
+    """Return an image's pixels in the space that the file is to have; only a color image is ever converted."""
     if image.type != "color" or picture.colorspace == "plate":
         return image.pixels
     rgb, coverage = image.pixels[..., :3], image.alpha
@@ -89,24 +95,27 @@ def _pixels(picture: Picture, image: Image) -> Array:
     return np.concatenate([encoded, image.pixels[..., 3:]], axis=2)
 
 
-def _color_tags(picture: Picture, header: dict[str, Any]) -> dict[str, Any]:
-    """What the file says about its colours: what the plate said, unless that is no longer true."""
+def _color_tags(picture: Picture, format: Format, header: dict[str, Any]) -> dict[str, Any]:
+    """Return the attributes that name the file's colours; none where the plate's own, in ``header``, are still true.
+
+    Chromaticities that are no longer true are taken out of ``header``.
+    """
     if picture.colorspace != "plate":
         header.pop("chromaticities", None)
         return exr_header.named_color_tags(picture.colorspace, picture.settings.ocio)
     encoded = color.detect(picture.image.spec, ocio=picture.settings.ocio).encoding is not None
-    if (encoded or not picture.plate_is_exr) and picture.image.type == "color":
+    if (encoded or picture.plate_format is not format) and picture.image.type == "color":
         header.pop("chromaticities", None)
         return exr_header.color_tags(picture.image.colorspace)
     return {}
 
 
-def _data_type(picture: Picture, image: Image, warn: Say) -> str:
-    """ "half" or "float" for the channels of an image."""
-    if picture.data_type in ("half", "float"):
+def _data_type(picture: Picture, image: Image, format: Format, warn: Say) -> str:
+    """Choose "half" or "float" for the channels of an image."""
+    if picture.data_type in format.data_types:
         return picture.data_type
     if picture.data_type != "auto" and image is picture.image:
-        warn(f"EXR cannot hold {picture.data_type}: data_type auto is used")
+        warn(f"{format.name} cannot hold {picture.data_type}: data_type auto is used")
     if image.type == "flow":
         return "float"
     basetype = image.spec.format.basetype
@@ -116,7 +125,7 @@ def _data_type(picture: Picture, image: Image, warn: Say) -> str:
 
 
 def _typed(name: str, image: Image, planes: Mapping[str, Array], kind: str, warn: Say) -> Planes:
-    """Planes in their final type, without a NaN or an Inf that nobody has been told of."""
+    """Return planes in their final type; ``warn`` is told of every NaN, and of every value beyond the type's range."""
     nans, infs = nonfinite.count(image.pixels)
     if image.type == "data" and (nans or infs):
         warn(f"{name}: {nonfinite.said(nans, infs)} written as they are")
@@ -141,7 +150,10 @@ def _typed(name: str, image: Image, planes: Mapping[str, Array], kind: str, warn
 
 
 def _part(header: dict[str, Any], planes: Planes, wanted: str, plate: str, warn: Say) -> tuple[dict[str, Any], Planes]:
-    """Header and channels of a part, with its compression."""
+    """Return header and channels of a part, with its compression.
+
+    ``wanted`` is the parameter's; "auto" keeps the plate's, ``plate``, if it is lossless for these channels, else zip.
+    """
     types = {_TYPES[str(plane.dtype)] for plane in planes.values()}
     chosen = wanted
     if wanted == "auto":
@@ -155,7 +167,7 @@ def _part(header: dict[str, Any], planes: Planes, wanted: str, plate: str, warn:
 
 
 def _name(parts: list[tuple[dict[str, Any], Planes]]) -> None:
-    """Parts of one file have names, all different."""
+    """Give every part a name of its own, which a file of several parts needs."""
     used: set[str] = set()
     for index, (header, _) in enumerate(parts):
         name = str(header.get("name") or ("rgba" if index == 0 else f"part{index}"))

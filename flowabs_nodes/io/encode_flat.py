@@ -1,4 +1,4 @@
-"""A picture as the bytes of a PNG or TIFF file: one image to look at, on its display window."""
+"""Encode a picture as the bytes of a file made to be looked at (PNG, TIFF): one image, on its display window."""
 
 from __future__ import annotations
 
@@ -15,68 +15,75 @@ from flowabs_nodes.color import ocio
 from flowabs_nodes.errors import WriteError
 from flowabs_nodes.image import Image
 from flowabs_nodes.io import alpha as alphas
-from flowabs_nodes.io import attributes, formats, nonfinite, provenance
-from flowabs_nodes.io.image_file import open_picture, reason
+from flowabs_nodes.io import attributes, nonfinite, provenance
+from flowabs_nodes.io.formats import Format
+from flowabs_nodes.io.image_file import open_picture
+from flowabs_nodes.io.limits import check_display_window
+from flowabs_nodes.io.oiio_error import reason
 from flowabs_nodes.io.output_image import Picture, main_planes
 from flowabs_nodes.io.settings import Settings
 
 Say = Callable[[str], None]
 
-_EXTENSIONS = {"png": ".png", "tiff": ".tif"}
-_CAN_HOLD = {"png": ("uint8", "uint16"), "tiff": ("uint8", "uint16", "float")}
 _BASETYPES = {oiio.UINT8: "uint8", oiio.UINT16: "uint16", oiio.FLOAT: "float"}
 _SRGB = "srgb_rec709_scene"
 
 
-def encode_flat(picture: Picture, kind: str, marks: Mapping[str, str], warn: Say) -> bytes:
-    """The file: colour encoded for the screen, alpha straight; mattes and mono as they are."""
+def encode_flat(picture: Picture, format: Format, stamps: Mapping[str, str], warn: Say) -> bytes:
+    """Return the file's bytes: colour encoded for the screen, alpha straight; mattes and mono as they are.
+
+    ``stamps`` are stored where ``format.stamps`` says; ``warn`` is told what the format cannot hold. Raises WriteError
+    for a flow or data image, for a display window above ``max_pixels``, and where OpenImageIO fails.
+    """
     image = picture.image
     if image.type in ("flow", "data"):
-        raise WriteError(f"{formats.NAMES[kind]} cannot hold a {image.type} image; write an EXR", code="bad-format")
+        raise WriteError(f"{format.name} cannot hold a {image.type} image; write an EXR", code="bad-format")
     if picture.layers:
-        warn(f"{formats.NAMES[kind]} holds one image: layers {', '.join(picture.layers)} are left out")
+        warn(f"{format.name} holds one image: layers {', '.join(picture.layers)} are left out")
     if picture.keep_layers:
-        warn(f"{formats.NAMES[kind]} holds one image: the plate's other layers are left out")
+        warn(f"{format.name} holds one image: the plate's other layers are left out")
     display = image.display_window
-    if display.width * display.height > picture.settings.max_pixels:
-        raise WriteError(f"a display window of {display.width}x{display.height} is too large", code="too-large")
+    check_display_window(display.width, display.height, picture.settings)
     image = image.on_window(display)
-    data_type = _data_type(picture, kind, warn)
+    data_type = _data_type(picture, format, warn)
     encoding = _encoding(picture, data_type)
     if encoding is None and image.type == "color" and image.colorspace != color.space("lin_rec709"):
-        warn(f"{formats.NAMES[kind]} cannot say that its colours are {image.colorspace}; colorspace converts them")
+        warn(f"{format.name} cannot say that its colours are {image.colorspace}; colorspace converts them")
     pixels = _quantised(_encoded(image, encoding, picture.settings, warn), data_type)
-    spec = _spec(picture, kind, pixels, encoding, marks)
-    return _through_oiio(kind, spec, pixels)
+    return _through_oiio(format, _header(picture, format, pixels, encoding, stamps), pixels)
 
 
-def _data_type(picture: Picture, kind: str, warn: Say) -> str:
-    holds = _CAN_HOLD[kind]
-    if picture.data_type in holds:
+def _from_scene(picture: Picture) -> bool:
+    """Return True where the plate's file was not made to be looked at, so that its encoding is not the output's."""
+    return picture.plate_format is not None and not picture.plate_format.display_referred
+
+
+def _data_type(picture: Picture, format: Format, warn: Say) -> str:
+    """Choose one of ``format.data_types``: the one asked for, the plate's, or the first."""
+    if picture.data_type in format.data_types:
         return picture.data_type
     if picture.data_type != "auto":
-        warn(f"{formats.NAMES[kind]} cannot hold {picture.data_type}: data_type auto is used")
-    plate = _BASETYPES.get(picture.image.spec.format.basetype, "") if not picture.plate_is_exr else ""
-    if plate in holds and picture.image.origin is not None:
-        return plate
-    return "uint16" if kind == "tiff" else "uint8"
+        warn(f"{format.name} cannot hold {picture.data_type}: data_type auto is used")
+    plate = _BASETYPES.get(picture.image.spec.format.basetype, "")
+    kept = picture.image.origin is not None and not (plate == "float" and _from_scene(picture))
+    return plate if kept and plate in format.data_types else format.data_types[0]
 
 
 def _encoding(picture: Picture, data_type: str) -> str | None:
-    """The OCIO name of the file's colours; None where they are scene-linear as the image's, or no colours at all."""
+    """Choose the OCIO name of the file's colours; None where they stay scene-linear, or are no colours at all."""
     if picture.image.type != "color":
         return None
     if picture.colorspace != "plate":
         return picture.colorspace
-    photographed = data_type != "float"
-    detected = color.detect(picture.image.spec, ocio=picture.settings.ocio, display_referred=photographed)
-    if detected.encoding is not None and not picture.plate_is_exr:
+    whole_numbers = data_type != "float"
+    detected = color.detect(picture.image.spec, ocio=picture.settings.ocio, display_referred=whole_numbers)
+    if detected.encoding is not None and not _from_scene(picture):
         return detected.encoding
-    return _SRGB if photographed else None
+    return _SRGB if whole_numbers else None
 
 
 def _encoded(image: Image, encoding: str | None, settings: Settings, warn: Say) -> npt.NDArray[np.float32]:
-    """(H, W, 3 or 4): straight colour in its encoding, or scene-linear and premultiplied."""
+    """Return (H, W, 3 or 4): straight colour in its encoding; scene-linear, premultiplied colour for None."""
     pixels = image.pixels
     nans, _ = nonfinite.count(pixels)
     if nans:
@@ -93,46 +100,52 @@ def _encoded(image: Image, encoding: str | None, settings: Settings, warn: Say) 
 
 
 def _quantised(pixels: npt.NDArray[np.float32], data_type: str) -> npt.NDArray[np.generic]:
+    """Return pixels in the file's data type: 0..1 rounded to whole numbers, or float as they are."""
     if data_type == "float":
         return pixels
     scale = np.float32(255 if data_type == "uint8" else 65535)
     return np.asarray(np.clip(pixels, 0, 1) * scale + np.float32(0.5)).astype(data_type)
 
 
-def _spec(
-    picture: Picture, kind: str, pixels: npt.NDArray[np.generic], encoding: str | None, marks: Mapping[str, str]
+def _header(
+    picture: Picture,
+    format: Format,
+    pixels: npt.NDArray[np.generic],
+    encoding: str | None,
+    stamps: Mapping[str, str],
 ) -> oiio.ImageSpec:
-    """A header with the image's metadata, and the stamps where the format keeps them."""
+    """Return a header with the image's metadata, and the stamps where the format keeps them."""
     height, width, count = pixels.shape
     spec = oiio.ImageSpec(width, height, count, "float" if pixels.dtype == np.float32 else str(pixels.dtype))
-    same = picture.colorspace == "plate" and not picture.plate_is_exr and encoding is not None
+    same = picture.colorspace == "plate" and not _from_scene(picture) and encoding is not None
     for attribute in picture.image.spec.extra_attribs:
         # A profile describes the plate's codes: true only where the same encoding is written.
         if attributes.describes_picture(attribute.name) or (same and attribute.name == "ICCProfile"):
             spec.attribute(attribute.name, attribute.type, attribute.value)
     for name, value in picture.metadata.items():
         spec.attribute(name, value)
-    if kind == "tiff":
+    if format.stamps == "description":
         lines = {name: str(value) for name, value in picture.metadata.items() if name != "ImageDescription"}
-        text = provenance.in_description(spec.get_string_attribute("ImageDescription"), {**lines, **marks})
+        text = provenance.in_description(spec.get_string_attribute("ImageDescription"), {**lines, **stamps})
         spec.attribute("ImageDescription", text)
-        spec.attribute("compression", "zip")
     else:
-        for name, mark in marks.items():
-            spec.attribute(name, mark)
+        for name, stamp in stamps.items():
+            spec.attribute(name, stamp)
+    if format.compression:
+        spec.attribute("compression", format.compression)
     if encoding is not None:
         spec.attribute("oiio:ColorSpace", encoding)
         spec.attribute("oiio:UnassociatedAlpha", 1)
     return spec
 
 
-def _through_oiio(kind: str, spec: oiio.ImageSpec, pixels: npt.NDArray[np.generic]) -> bytes:
-    """OpenImageIO writes to files only: to a private one, whose pixels are compared before its bytes are taken."""
+def _through_oiio(format: Format, spec: oiio.ImageSpec, pixels: npt.NDArray[np.generic]) -> bytes:
+    """Let OpenImageIO, which writes to files only, write a private one; compare its pixels, and return its bytes."""
     with tempfile.TemporaryDirectory(prefix="flowabs-") as folder:
-        path = os.path.join(folder, "picture" + _EXTENSIONS[kind])
-        output = oiio.ImageOutput.create(kind)
+        path = os.path.join(folder, "picture" + format.extensions[0])
+        output = oiio.ImageOutput.create(format.oiio_name)
         if output is None:
-            raise WriteError(f"this OpenImageIO does not write {formats.NAMES[kind]}: {reason(oiio)}")
+            raise WriteError(f"this OpenImageIO does not write {format.name}: {reason(oiio)}")
         wrong = ""
         if not output.open(path, spec):
             wrong = reason(output) or "it cannot be opened"
@@ -143,12 +156,13 @@ def _through_oiio(kind: str, spec: oiio.ImageSpec, pixels: npt.NDArray[np.generi
         if not wrong and not _holds(path, pixels):
             wrong = "its pixels are not what was written"
         if wrong:
-            raise WriteError(f"cannot be encoded as {formats.NAMES[kind]}: {wrong}")
+            raise WriteError(f"cannot be encoded as {format.name}: {wrong}")
         with open(path, "rb") as file:
             return file.read()
 
 
 def _holds(path: str, pixels: npt.NDArray[np.generic]) -> bool:
+    """Return True if the file's pixels are exactly these, (H, W, C)."""
     with open_picture(path, Settings(max_pixels=pixels.shape[0] * pixels.shape[1])) as file:
         names = file.specs[0].channelnames
         planes = file.read_native(0, names)

@@ -1,4 +1,4 @@
-"""The header of an EXR that is written: the plate's own, word for word, with what changed on the way."""
+"""Make the header of an EXR: the plate's own, word for word, with what nodes changed on the way."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ from flowabs_nodes.color import ColorSpace, named
 from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.image import Image, Window
 from flowabs_nodes.io import attributes, formats
+from flowabs_nodes.io.formats.exr import EXR
 from flowabs_nodes.io.image_file import open_picture
 from flowabs_nodes.io.settings import Settings
 
-#: What the encoder decides, or what would no longer be true of new pixels (the thumbnail).
+#: Attributes that the encoder decides, or that are no longer true of new pixels (the thumbnail).
 _ENCODING = (
     "channels",
     "chunkCount",
@@ -32,15 +33,16 @@ _ENCODING = (
     "type",
     "zipCompressionLevel",
 )
-#: What a photograph's header says about printing it.
+#: Attributes of a photograph that say how large to print it.
 _PRINT = ("XResolution", "YResolution", "ResolutionUnit")
 
 
 def exr_header(image: Image, settings: Settings, warn: Callable[[str], None]) -> dict[str, Any]:
-    """Attributes for the OpenEXR module: metadata and windows of an image, without what describes the encoding.
+    """Return attributes for the OpenEXR module: an image's metadata and windows, without what describes the encoding.
 
     A plate that was an EXR hands its header on as it is, types included; an attribute that a node changed, added or
-    removed is changed, added or removed there. Any other image's attributes are translated.
+    removed is changed, added or removed there. Any other image's attributes are translated. ``warn`` is told where the
+    plate's header cannot be read any more.
     """
     ours = attributes.values(image.spec)
     theirs, header = _plate(image, settings, warn)
@@ -60,7 +62,10 @@ def exr_header(image: Image, settings: Settings, warn: Callable[[str], None]) ->
 
 
 def header_of_part(path: str, part: int) -> dict[str, Any]:
-    """A part's own header, without what describes the encoding. Only for files that OpenImageIO has read."""
+    """Return a part's own header, without what describes the encoding.
+
+    Only for a file that OpenImageIO has opened: the OpenEXR module may take gigabytes for a hostile one.
+    """
     parts = OpenEXR.File(path, separate_channels=True, header_only=True).parts
     header = {name: value for name, value in parts[part].header.items() if name not in _ENCODING}
     for name in ("dataWindow", "displayWindow"):
@@ -69,9 +74,12 @@ def header_of_part(path: str, part: int) -> dict[str, Any]:
 
 
 def _plate(image: Image, settings: Settings, warn: Callable[[str], None]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """An EXR plate's attributes as OpenImageIO gives them, and its header as the OpenEXR module does."""
+    """Read an EXR plate's attributes as OpenImageIO gives them, and its header as the OpenEXR module does.
+
+    Both are empty where the image does not come from an EXR, or that file cannot be read any more.
+    """
     origin = image.origin
-    if origin is None or formats.by_name(origin.file) != "openexr":
+    if origin is None or formats.by_extension(origin.file) is not EXR:
         return {}, {}
     try:
         with open_picture(origin.file, settings) as file:
@@ -83,12 +91,13 @@ def _plate(image: Image, settings: Settings, warn: Callable[[str], None]) -> tup
 
 
 def _box(window: Window) -> tuple[Any, Any]:
+    """Return a window as EXR's box2i: first and last pixel."""
     low = np.array([window.x, window.y], np.int32)
     return low, np.array([window.x + window.width - 1, window.y + window.height - 1], np.int32)
 
 
 def color_tags(space: ColorSpace) -> dict[str, Any]:
-    """Of a linear space: its ``colorInteropID``, and the chromaticities that readers without that name go by."""
+    """Return a linear space's ``colorInteropID``, and its chromaticities for readers that do not know that name."""
     tags: dict[str, Any] = {}
     if not space.name.startswith("chromaticities("):
         tags["colorInteropID"] = space.interop_id or space.name
@@ -97,7 +106,7 @@ def color_tags(space: ColorSpace) -> dict[str, Any]:
 
 
 def named_color_tags(name: str, ocio: str | None) -> dict[str, Any]:
-    """Of any OCIO name, a linear space's alias or an encoding."""
+    """Return the same for any OCIO name: an alias of a linear space, or an encoding. Raises ColorError for others."""
     found = named.find(name, ocio)
     if found.kind == "linear":
         return color_tags(found.space)
@@ -106,7 +115,7 @@ def named_color_tags(name: str, ocio: str | None) -> dict[str, Any]:
 
 
 def lossless(compression: str, types: set[str]) -> bool:
-    """True if that compression gives back every bit of channels of these types ("half", "float", "uint")."""
+    """Return True if a compression gives back every bit of channels of these types ("half", "float", "uint")."""
     name = compression.split(":")[0].lower()
     if name == "pxr24":
         return "float" not in types
@@ -114,11 +123,11 @@ def lossless(compression: str, types: set[str]) -> bool:
 
 
 def compression_of(name: str) -> Any:
-    """The OpenEXR module's constant, or None where it has none of that name."""
+    """Return the OpenEXR module's constant for a compression such as "dwaa:45"; None where it has none."""
     short = name.split(":")[0].upper()
     return getattr(OpenEXR, "NO_COMPRESSION" if short == "NONE" else f"{short}_COMPRESSION", None)
 
 
 def plate_compression(spec: oiio.ImageSpec) -> str:
-    """The compression a plate came in, such as "zip" or "dwaa:45"; empty where it says none."""
+    """Return the compression that a plate came in, such as "zip" or "dwaa:45"; empty where its header names none."""
     return str(spec.get_string_attribute("compression"))

@@ -1,7 +1,8 @@
-"""Claims: a frame that is being written has a temporary file beside it, opened exclusively and locked.
+"""Claim a frame before it is written, so that two runs never write one file.
 
-``.{name}.{host}.{pid}.tmp`` says who writes. While the writer lives nobody else writes that frame; when it is killed,
-its lock is gone and the next one sweeps the file away. Nothing is ever at the final name but a whole frame.
+A claim is a temporary file beside the frame, opened exclusively and locked. Its name, ``.{name}.{host}.{pid}.tmp``,
+says who writes. While the writer lives nobody else writes that frame. When the writer is killed the system drops the
+lock, and the next writer sweeps the temporary away. The final name only ever holds a whole frame.
 """
 
 from __future__ import annotations
@@ -49,7 +50,7 @@ class Claim:
         self._fd: int | None = fd
 
     def write(self, data: bytes | memoryview) -> None:
-        """Every byte of ``data``, on disk when this returns."""
+        """Write every byte of ``data`` to the temporary; all are on disk when this returns. Raises OSError."""
         assert self._fd is not None
         rest = memoryview(data)
         while rest:
@@ -57,7 +58,7 @@ class Claim:
         os.fsync(self._fd)
 
     def holds(self, data: bytes | memoryview) -> bool:
-        """True if the temporary is ``data``, byte for byte."""
+        """Read the temporary back, and return True if it is ``data``, byte for byte."""
         expected = memoryview(data)
         place = 0
         with open(self.temporary, "rb") as file:
@@ -75,7 +76,7 @@ class Claim:
         _sync_folder(self.final.parent)
 
     def release(self) -> None:
-        """Remove the temporary, where it has not been published, and let others have the frame."""
+        """Remove the temporary where it has not been published, and let others claim the frame."""
         if fcntl is None:
             self._close()
         # Removed while it is still locked: nobody else can have this name in between.
@@ -84,6 +85,7 @@ class Claim:
         self._close()
 
     def _close(self) -> None:
+        """Close the temporary, which drops the lock."""
         if self._fd is not None:
             os.close(self._fd)
             self._fd = None
@@ -91,7 +93,7 @@ class Claim:
 
 @contextmanager
 def claim(path: str | os.PathLike[str]) -> Iterator[Claim]:
-    """Claim the file ``path``; its folder is made. Without :meth:`Claim.publish` the temporary is removed at the end.
+    """Claim the file ``path``, and make its folder. The temporary is removed at the end unless it has been published.
 
     Raises ClaimedError where somebody else is writing it, WriteError where its folder cannot be written.
     """
@@ -110,7 +112,7 @@ def claim(path: str | os.PathLike[str]) -> Iterator[Claim]:
 
 
 def failure(error: OSError, path: str | os.PathLike[str]) -> WriteError:
-    """What an OSError while writing means: code "disk-full", "unwritable" or "write-failed"."""
+    """Return the WriteError that an OSError while writing means: code "disk-full", "unwritable" or "write-failed"."""
     name = os.fspath(path)
     if error.errno in (errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC)):
         return WriteError("no space is left on the disk", code="disk-full", file=name)
@@ -133,9 +135,9 @@ def check_writable(folder: str | os.PathLike[str]) -> None:
 
 
 def sweep(folder: str | os.PathLike[str], *patterns: str) -> list[Path]:
-    """Remove the temporaries of dead writers of these file names or sequence patterns; returns what was removed.
+    """Remove the temporaries of dead writers of these file names or sequence patterns; return what was removed.
 
-    Dead are those on this host whose lock is free, and those of other hosts that are older than a day.
+    A writer on this host is dead if its lock is free; one on another host if its temporary is older than a day.
     """
     sequences = [Sequence(os.path.basename(pattern)) for pattern in patterns]
     with _folder_lock(Path(folder)):
@@ -143,6 +145,7 @@ def sweep(folder: str | os.PathLike[str], *patterns: str) -> list[Path]:
 
 
 def _sweep(folder: Path, is_ours: Callable[[str], bool]) -> list[Path]:
+    """Remove the temporaries of dead writers in a folder, of final names for which ``is_ours`` returns True."""
     removed = []
     for path, name, host, pid in _claims_in(folder):
         if is_ours(name) and not _lives(path, host, pid):
@@ -153,7 +156,10 @@ def _sweep(folder: Path, is_ours: Callable[[str], bool]) -> list[Path]:
 
 
 def _take(final: Path) -> tuple[Path, int]:
-    """Make and lock our temporary, unless a living one of somebody else's is there."""
+    """Make and lock our temporary; return its path and file descriptor.
+
+    Raises ClaimedError where a living writer has a claim, OSError where the folder cannot be written.
+    """
     temporary = final.parent / f".{final.name}.{HOST}.{os.getpid()}.tmp"
     with _folder_lock(final.parent):
         _sweep(final.parent, lambda name: name == final.name)
@@ -177,15 +183,17 @@ def _take(final: Path) -> tuple[Path, int]:
 
 
 def _claimed(final: Path, host: str, pid: int) -> ClaimedError:
+    """Return the error that names who is writing the frame."""
     return ClaimedError(f"being written by {host}:{pid}", file=str(final))
 
 
 def _others(final: Path, own: Path) -> list[tuple[str, int]]:
-    """Who else has a claim on ``final``; the dead have been swept before."""
+    """Return who else, (host, pid), has a claim on ``final``. Claims of the dead have been swept before."""
     return [(host, pid) for path, name, host, pid in _claims_in(final.parent) if name == final.name and path != own]
 
 
 def _claims_in(folder: Path) -> Iterator[tuple[Path, str, str, int]]:
+    """Yield every claim in a folder: temporary, final name, host, pid. None for a folder that cannot be listed."""
     try:
         names = os.listdir(folder)
     except OSError:
@@ -197,7 +205,7 @@ def _claims_in(folder: Path) -> Iterator[tuple[Path, str, str, int]]:
 
 
 def _lives(path: Path, host: str, pid: int) -> bool:
-    """True while the writer of a temporary may still be at work."""
+    """Return True while the writer of a temporary may still be at work."""
     try:
         age = time.time() - path.stat().st_mtime
     except OSError:
@@ -222,6 +230,7 @@ def _lives(path: Path, host: str, pid: int) -> bool:
 
 
 def _process_lives(pid: int) -> bool:
+    """Return True unless this host surely has no such process."""
     try:
         os.kill(pid, 0)
     except ProcessLookupError:
@@ -233,7 +242,7 @@ def _process_lives(pid: int) -> bool:
 
 @contextmanager
 def _folder_lock(folder: Path) -> Iterator[None]:
-    """One process of this host at a time looks for claims and makes its own, where folders can be locked."""
+    """Lock a folder, where that can be done: one process of this host at a time looks for claims and makes its own."""
     if fcntl is None:
         yield
         return
@@ -251,7 +260,7 @@ def _folder_lock(folder: Path) -> Iterator[None]:
 
 
 def _sync_folder(folder: Path) -> None:
-    """Make a rename last through a power cut, where the system can."""
+    """Write a folder's entries to disk, where the system can: a rename then lasts through a power cut."""
     with suppress(OSError):
         fd = os.open(folder, os.O_RDONLY)
         try:

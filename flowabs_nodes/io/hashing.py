@@ -1,4 +1,4 @@
-"""What a file's content is, as a short text: part of every key."""
+"""Hash the content of files: a part of every key, so that a plate that changed is filtered again."""
 
 from __future__ import annotations
 
@@ -8,12 +8,16 @@ import threading
 
 from flowabs_nodes.errors import ReadError
 
+#: A cache: (real path, size, time of change) -> hash.
 _known: dict[tuple[str, int, int], str] = {}
 _lock = threading.Lock()
 
 
 def content_hash(path: str | os.PathLike[str]) -> str:
-    """BLAKE2b-256 of the file's bytes, as hex; path, size and time only say that it need not be read again."""
+    """Return the BLAKE2b-256 of a file's bytes, as 64 hexadecimal digits. Raises ReadError where it cannot be read.
+
+    A file whose path, size and time are those of an earlier call is not read again.
+    """
     try:
         before = _version(path)
         with _lock:
@@ -32,5 +36,6 @@ def content_hash(path: str | os.PathLike[str]) -> str:
 
 
 def _version(path: str | os.PathLike[str]) -> tuple[str, int, int]:
+    """Return what changes when a file does: (real path, size in bytes, time of change in ns)."""
     state = os.stat(path)
     return os.path.realpath(path), state.st_size, state.st_mtime_ns

@@ -1,4 +1,4 @@
-"""Which part and which channels of a file are meant by a layer's name; pure functions on ImageSpecs."""
+"""Find the part and the channels of a file that a layer's name means: pure functions on ImageSpecs."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import NamedTuple
 import OpenImageIO as oiio
 
 from flowabs_nodes.errors import ReadError, nearest
-from flowabs_nodes.io.image_file import printable
+from flowabs_nodes.io.oiio_error import printable
 
-#: How files call red, green, blue, alpha.
+#: Names that files use for red, green, blue, alpha.
 _RGBA = (
     ("R", "G", "B", "A"),
     ("r", "g", "b", "a"),
@@ -18,12 +18,15 @@ _RGBA = (
     ("Red", "Green", "Blue", "Alpha"),
 )
 _GREY = (("Y", "A"), ("y", "a"))
-#: Beside these a Y is a coordinate, or luminance without its chroma.
+#: Beside one of these channels a Y is no grey: it is a coordinate, or luminance without its chroma.
 _NO_GREY = {"X", "x", "RY", "BY"}
 
 
 class Selection(NamedTuple):
-    """Channels to read, in order: red, green, blue or one grey, then alpha if the layer has it."""
+    """Channels to read from one part, in order: red, green, blue or one grey, then alpha if the layer has it.
+
+    ``note`` is for the log: why these channels, where nobody asked for them.
+    """
 
     part: int
     layer: str
@@ -32,7 +35,7 @@ class Selection(NamedTuple):
 
     @property
     def grey(self) -> bool:
-        """True where one channel stands for red, green and blue."""
+        """True where one channel stands for red, green and blue alike."""
         return len(self.channels) < 3
 
     @property
@@ -42,7 +45,7 @@ class Selection(NamedTuple):
 
 
 def layer_of(channel: str) -> str:
-    """ "diffuse.R" is of layer "diffuse", "Z" of "Z", and R, G, B, A are of the main layer, ""."""
+    """Return the layer of a channel: "diffuse" of "diffuse.R", "Z" of "Z", and "", the main layer, of R, G, B, A."""
     before, dot, _ = channel.rpartition(".")
     if dot:
         return before
@@ -50,12 +53,16 @@ def layer_of(channel: str) -> str:
 
 
 def part_name(spec: oiio.ImageSpec) -> str:
-    """The name of a part; empty where it has none."""
+    """Return the name of a part; empty where it has none."""
     return spec.get_string_attribute("oiio:subimagename") or spec.get_string_attribute("name")
 
 
 def choose_color(specs: Sequence[oiio.ImageSpec], layer: str = "", part: str | int = "") -> Selection:
-    """The channels of a color image: R, G, B or grey, and A. Raises ReadError that lists what there is."""
+    """Choose the channels of a color image: R, G, B or grey, and A.
+
+    ``layer`` and ``part`` are as in :func:`flowabs_nodes.io.read.read_image`. Raises ReadError, which lists what the
+    file holds, where there is no such layer or part, or no colour in it.
+    """
     candidates = _parts(specs, part)
     if layer == "":
         for names in (_RGBA, _GREY):
@@ -81,7 +88,10 @@ def choose_color(specs: Sequence[oiio.ImageSpec], layer: str = "", part: str | i
 
 
 def choose_data(specs: Sequence[oiio.ImageSpec], layer: str = "", part: str | int = "") -> Selection:
-    """The channels of a data image: every channel of a layer, one channel by its name, or a whole part."""
+    """Choose the channels of a data image: every channel of a layer, one channel by its name, or a whole part.
+
+    Raises ReadError as :func:`choose_color`.
+    """
     candidates = _parts(specs, part)
     for index in candidates:
         names = tuple(specs[index].channelnames)
@@ -101,7 +111,7 @@ def choose_data(specs: Sequence[oiio.ImageSpec], layer: str = "", part: str | in
 
 
 def _parts(specs: Sequence[oiio.ImageSpec], part: str | int) -> list[int]:
-    """The parts to look in: one by its index or name, or all flat ones."""
+    """Return the parts to look in: one by its index or name, or all that are not deep. Raises ReadError for none."""
     text = str(part)
     if text:
         named = [index for index, spec in enumerate(specs) if part_name(spec) == text]
@@ -120,7 +130,10 @@ def _parts(specs: Sequence[oiio.ImageSpec], part: str | int) -> list[int]:
 
 
 def _pick(channels: Sequence[str], prefix: str, families: Iterable[tuple[str, ...]]) -> tuple[str, ...] | None:
-    """The channels of the first family that is there, alpha included where it is."""
+    """Return the channels of the first family that is there, its alpha included where there is one; else None.
+
+    A family is the names of its colours, then that of its alpha.
+    """
     for *wanted, alpha in families:
         found = [prefix + name for name in wanted]
         if len(wanted) == 1 and any(prefix + name in channels for name in _NO_GREY):
@@ -131,7 +144,7 @@ def _pick(channels: Sequence[str], prefix: str, families: Iterable[tuple[str, ..
 
 
 def _color_layers(specs: Sequence[oiio.ImageSpec], parts: Sequence[int]) -> dict[str, Selection]:
-    """Every layer with red, green and blue."""
+    """Return every layer with red, green and blue, by name."""
     layers: dict[str, Selection] = {}
     for index in parts:
         for layer in dict.fromkeys(name.rpartition(".")[0] for name in specs[index].channelnames):
@@ -142,7 +155,10 @@ def _color_layers(specs: Sequence[oiio.ImageSpec], parts: Sequence[int]) -> dict
 
 
 def _only_layer(specs: Sequence[oiio.ImageSpec], parts: Sequence[int], part: str | int) -> Selection:
-    """Where there are no plain R, G, B: Blender's "Combined", or the one layer that has colour."""
+    """Choose a layer of a file without plain R, G, B: Blender's "Combined", or the only layer that has colour.
+
+    Raises ReadError where there is none, or a choice that nobody but the user can make.
+    """
     layers = _color_layers(specs, parts)
     combined = [layer for layer in layers if layer.endswith(".Combined")]
     single = combined if len(combined) == 1 else list(layers)
@@ -156,7 +172,7 @@ def _only_layer(specs: Sequence[oiio.ImageSpec], parts: Sequence[int], part: str
 
 
 def _listing(specs: Sequence[oiio.ImageSpec]) -> str:
-    """What a file holds, for messages."""
+    """Return what a file holds, for messages: "it has R, G, B"."""
     if len(specs) == 1:
         return f"it has {_few(specs[0].channelnames)}"
     parts = [f"{part_name(spec) or index} ({_few(spec.channelnames)})" for index, spec in enumerate(specs)]
@@ -164,5 +180,6 @@ def _listing(specs: Sequence[oiio.ImageSpec]) -> str:
 
 
 def _few(names: Sequence[str], joint: str = ", ") -> str:
+    """Return at most twelve names as a list for messages, each cut at 100 characters."""
     shown = [printable(name if len(name) < 100 else name[:97] + "...") for name in names[:12]]
     return joint.join(shown) + (f" and {len(names) - 12} more" if len(names) > 12 else "")

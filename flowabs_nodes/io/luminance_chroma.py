@@ -1,4 +1,4 @@
-"""EXR files of luminance and subsampled chroma (channels Y, RY, BY), which OpenImageIO does not read."""
+"""Read EXR files of luminance and subsampled chroma (channels Y, RY, BY), which OpenImageIO does not read."""
 
 from __future__ import annotations
 
@@ -17,24 +17,30 @@ from flowabs_nodes import color
 from flowabs_nodes.color import detect
 from flowabs_nodes.errors import ReadError
 from flowabs_nodes.io import attributes
-from flowabs_nodes.io.image_file import check_size, printable
+from flowabs_nodes.io.formats import Format
+from flowabs_nodes.io.limits import check_readable
+from flowabs_nodes.io.oiio_error import printable
 from flowabs_nodes.io.settings import Settings
 
 Array = npt.NDArray[np.float32]
 
-#: Half of the filter that OpenEXR's ``RgbaYca`` reconstructs chroma with: weights 1, 3, 5 .. 13 pixels away.
+#: The filter by which OpenEXR's ``RgbaYca`` reconstructs chroma, one half of it: weights 1, 3, 5 .. 13 pixels away.
 _TAPS = (0.627123, -0.186077, 0.087929, -0.043159, 0.019597, -0.007540, 0.002128)
 
-#: A file whose pixels would take this many times its size is taken for a bomb: the OpenEXR module does not look.
+#: A file whose pixels would take more than this many times its size is refused: the OpenEXR module would just try.
 _SHRINKS_AT_MOST = 2000
 
 
 class LuminanceChromaFile:
-    """A one-part EXR with Y, RY = (R - Y)/Y, BY = (B - Y)/Y and maybe A, seen as one with R, G, B[, A]."""
+    """A one-part EXR with Y, RY = (R - Y)/Y, BY = (B - Y)/Y and maybe A, seen as one with R, G, B[, A].
 
-    def __init__(self, path: str, settings: Settings) -> None:
+    It can be read like any :class:`flowabs_nodes.io.image_file.PictureFile`. Raises ReadError where the header is
+    damaged, the picture too large, or another channel is there.
+    """
+
+    def __init__(self, path: str, format: Format, settings: Settings) -> None:
         self.path = path
-        self.format = "openexr"
+        self.format = format
         self._settings = settings
         header, channels = self._open(header_only=True)
         missing = {"Y", "RY", "BY"} - set(channels)
@@ -50,18 +56,18 @@ class LuminanceChromaFile:
         spec.full_width, spec.full_height = (int(b - a) + 1 for a, b in zip(full_low, full_high, strict=True))
         attributes.to_spec(header, spec)
         spec.attribute("compression", header["compression"].name.split("_")[0].lower())
-        check_size(path, spec, 4, settings)
+        check_readable(path, spec, 4, settings)
         if spec.width * spec.height * 2 > _SHRINKS_AT_MOST * os.path.getsize(path):
             raise self._error(f"{spec.width}x{spec.height} pixels cannot be in a file this small")
         self.specs: tuple[oiio.ImageSpec, ...] = (spec,)
 
     def read(self, part: int, channels: Sequence[str]) -> Array:
-        """(H, W, C) of R, G, B, A in any order."""
+        """Return (H, W, C) float32 of R, G, B, A in any order."""
         planes = self.read_native(part, channels)
         return np.stack([planes[name].astype(np.float32) for name in channels], axis=2)
 
     def read_native(self, part: int, channels: Sequence[str]) -> dict[str, npt.NDArray[Any]]:
-        """R, G, B as the reconstruction gives them, float32; A as it is in the file."""
+        """Return planes (H, W): R, G, B float32 as the reconstruction gives them, A in the file's own data type."""
         spec = self.specs[part]
         _, found = self._open(header_only=False)
         y = found["Y"].pixels.astype(np.float32)
@@ -76,6 +82,7 @@ class LuminanceChromaFile:
         return {name: planes[name] for name in channels}
 
     def _open(self, header_only: bool) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Return the header, and the channels by name; without pixels for ``header_only``. Raises ReadError."""
         try:
             with contextlib.redirect_stdout(io.StringIO()):  # it prints its warnings there
                 file = OpenEXR.File(self.path, separate_channels=True, header_only=header_only)
@@ -88,7 +95,7 @@ class LuminanceChromaFile:
             raise self._error(f"damaged: {error}") from None
 
     def _full(self, channel: Any, name: str) -> Array:
-        """A chroma channel on every pixel. Corner and size of the data window are multiples of its sampling."""
+        """Return a chroma channel, (H, W). EXR has corner and size of the data window multiples of its sampling."""
         plane: Array = channel.pixels.astype(np.float32)
         for axis, step in enumerate((channel.ySampling, channel.xSampling)):
             if step not in (1, 2):
@@ -99,11 +106,12 @@ class LuminanceChromaFile:
         return plane
 
     def _error(self, text: str) -> ReadError:
+        """Return the error that names this file."""
         return ReadError(text, code="damaged" if "damaged" in text else None, file=self.path)
 
 
 def _upsampled(samples: Array) -> Array:
-    """Twice as many along axis 0: samples on the even places, the filter between them; ends are repeated."""
+    """Return twice as many samples along axis 0: the given at even places, filtered ones between; ends are repeated."""
     count = len(samples)
     result = np.zeros((2 * count, *samples.shape[1:]), np.float32)
     result[0::2] = samples

@@ -1,4 +1,4 @@
-"""NaN and Inf in a plate: repaired from their neighbours, or refused, and always counted."""
+"""Count NaN and Inf in a plate, and repair them from their neighbours or refuse the plate."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Array = npt.NDArray[np.float32]
 
 
 def count(pixels: npt.NDArray[np.floating]) -> tuple[int, int]:
-    """How many values are NaN, and how many are Inf."""
+    """Return how many values are NaN, and how many are Inf."""
     # One pass without a copy: a sum of finite float32 numbers in float64 is finite.
     with np.errstate(invalid="ignore"):  # Inf - Inf
         total = float(pixels.sum(dtype=np.float64))
@@ -25,15 +25,16 @@ def count(pixels: npt.NDArray[np.floating]) -> tuple[int, int]:
 
 
 def said(nans: int, infs: int) -> str:
-    """ "6 NaN and 12 Inf"."""
+    """Return both counts for a message: "6 NaN and 12 Inf"; what there is none of is left out."""
     return " and ".join(f"{number} {what}" for number, what in ((nans, "NaN"), (infs, "Inf")) if number)
 
 
 def repaired(pixels: Array, policy: str) -> tuple[Array, str]:
-    """(H, W, C) without NaN and Inf, and what to say about it; ``policy`` "error" raises ReadError instead.
+    """Return (H, W, C) pixels without NaN and Inf, and what to say about it in the log ("" for nothing).
 
-    Each is replaced by the mean of the finite values among its 3x3 neighbours (OIIO's fixNonFinite), from the first
-    pixel to the last; where nothing at all is finite, by 0.
+    Each NaN or Inf is replaced by the mean of the finite values among its 3x3 neighbours (OpenImageIO's fixNonFinite),
+    from the first pixel to the last; by 0 where nothing at all is finite. With the policy "error" ReadError is raised
+    instead.
     """
     nans, infs = count(pixels)
     if not nans and not infs:

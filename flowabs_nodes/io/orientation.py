@@ -1,4 +1,4 @@
-"""Photographs that a camera stored lying on their side, turned upright."""
+"""Turn photographs upright that a camera stored lying on their side, and scans that run from bottom to top."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _TURNS = {
 
 
 def upright(pixels: npt.NDArray[np.float32], spec: oiio.ImageSpec) -> npt.NDArray[np.float32]:
-    """(H, W, C) as it is meant to be looked at; ``spec`` is changed to say so."""
+    """Return (H, W, C) pixels turned as the Orientation of ``spec`` says; ``spec`` is changed to match."""
     turn = _TURNS.get(spec.get_int_attribute("Orientation", 1))
     if turn is None:
         return pixels

@@ -1,4 +1,4 @@
-"""One frame ready to be written: the image, its layers, and how they are to be stored."""
+"""Gather one frame that is ready to be written: the image, its layers, and how they are to be stored."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.image import Image, Window
 from flowabs_nodes.io import formats
+from flowabs_nodes.io.formats import Format
 from flowabs_nodes.io.settings import Settings
 
 Say = Callable[[str], None]
@@ -24,16 +25,18 @@ COMPRESSIONS = ("auto", "none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b4
 
 @dataclass(frozen=True)
 class Picture:
-    """What ``write`` hands over; the file's format is known only when it is saved.
+    """One frame as the node ``write`` hands it over; the file's format is known only when it is saved.
 
     Attributes
     ----------
     image
-        The main picture: its windows and metadata are the file's.
+        The main image: its windows and metadata are the file's.
     layers
         Further images by layer name, on the same data window.
     data_type, compression, keep_layers, colorspace, metadata
         As the parameters of ``write``.
+    settings
+        The run's limits and OCIO config.
     """
 
     image: Image
@@ -46,9 +49,9 @@ class Picture:
     settings: Settings = field(default_factory=Settings)
 
     @property
-    def plate_is_exr(self) -> bool:
-        """True where the image comes from an EXR file."""
-        return self.image.origin is not None and formats.by_name(self.image.origin.file) == "openexr"
+    def plate_format(self) -> Format | None:
+        """The format of the file that the image was read from; None where it was not read from a file."""
+        return formats.by_extension(self.image.origin.file) if self.image.origin is not None else None
 
 
 def build_picture(
@@ -63,7 +66,11 @@ def build_picture(
     settings: Settings | None = None,
     warn: Say = lambda text: None,
 ) -> Picture:
-    """A frame to save (:func:`flowabs_nodes.io.write.save`); layers are brought to the image's data window."""
+    """Return a frame to save (:func:`flowabs_nodes.io.write.save`); layers are brought to the image's data window.
+
+    The parameters are those of ``write``. ``warn`` is told of a layer whose data window is not the image's. Raises
+    ArgumentError for a ``data_type`` or ``compression`` that there is not.
+    """
     for name, value, choices in (("data_type", data_type, DATA_TYPES), ("compression", compression, COMPRESSIONS)):
         if value not in choices:
             raise ArgumentError(f"{name}: expected one of {', '.join(choices)}, found {value!r}", parameter=name)
@@ -78,14 +85,17 @@ def build_picture(
 
 
 def main_planes(image: Image, pixels: Array) -> dict[str, Array]:
-    """The main picture's channels: R, G, B[, A]; R = G = B of a mono or matte; a flow's and data's own."""
+    """Return the main image's channels, name -> (H, W): R, G, B[, A]; R = G = B of a mono or matte; else its own."""
     if image.type in ("mono", "matte"):
         return dict.fromkeys(("R", "G", "B"), pixels[..., 0])
     return {name: pixels[..., index] for index, name in enumerate(image.channels)}
 
 
 def layer_planes(name: str, image: Image, pixels: Array) -> dict[str, Array]:
-    """A layer's channels: n.R ..., n.Y of a mono or matte, n.x and n.y of a flow, n.<last part of its name> of data."""
+    """Return a layer's channels, name -> (H, W).
+
+    They are n.R ... of a color image, n.Y of a mono or matte, n.x and n.y of a flow, n.<last part of its name> of data.
+    """
     short = [channel.rpartition(".")[2] for channel in image.channels]
     if len(set(short)) < len(short):  # left.x and right.x would be one
         short = list(image.channels)
@@ -93,7 +103,7 @@ def layer_planes(name: str, image: Image, pixels: Array) -> dict[str, Array]:
 
 
 def moved(plane: npt.NDArray[Any], source: Window, target: Window) -> npt.NDArray[Any]:
-    """A plane of any data type on another data window: cut, and 0 where it has no pixels."""
+    """Return a plane, (H, W) of any data type, on the window ``target``: cut, and 0 where it has no pixels."""
     if source == target:
         return plane
     result = np.zeros((target.height, target.width), plane.dtype)
@@ -106,6 +116,6 @@ def moved(plane: npt.NDArray[Any], source: Window, target: Window) -> npt.NDArra
 
 
 def windows(spec: oiio.ImageSpec) -> tuple[Window, Window]:
-    """Data and display window of a header."""
+    """Return data window and display window of a header."""
     data = Window(spec.x, spec.y, spec.width, spec.height)
     return data, Window(spec.full_x, spec.full_y, spec.full_width, spec.full_height)

@@ -1,4 +1,4 @@
-"""The plate's other layers, bit for bit (``write.keep_layers``), and an alpha that the image left out."""
+"""Pass the plate's other layers through, bit for bit (``write.keep_layers``), and an alpha that the image left out."""
 
 from __future__ import annotations
 
@@ -19,32 +19,32 @@ from flowabs_nodes.io.output_image import Picture, moved, windows
 Planes = dict[str, npt.NDArray[Any]]
 
 
-class Kept(NamedTuple):
-    """Channels for the main part, and whole parts (header, channels) that follow it."""
+class Passthrough(NamedTuple):
+    """What is written as it was in the plate: channels of the main part, and further parts as (header, channels)."""
 
     channels: Planes
     parts: tuple[tuple[dict[str, Any], Planes], ...] = ()
 
 
-def kept_layers(picture: Picture, warn: Callable[[str], None]) -> Kept:
-    """What ``keep_layers`` asks for from the file that the image was read from.
+def passthrough_layers(picture: Picture, warn: Callable[[str], None]) -> Passthrough:
+    """Read what ``keep_layers`` asks for from the file that the image was read from.
 
     A layer is a name before the last dot ("diffuse"), a channel without one ("Z"), or a part; ``*`` and ``?`` stand for
-    letters. The layer that was read is no other layer, unless it is named. Raises WriteError for a name that is not
-    there.
+    letters. The layer that was read is kept only if it is named. ``warn`` is told of layers that are left out or cut.
+    Raises WriteError for a name that is not there, ReadError where the file cannot be read any more.
     """
     wanted = [name.strip() for name in picture.keep_layers.split(",") if name.strip()]
     origin = picture.image.origin
     if not wanted:
-        return Kept({})
-    if origin is None or not picture.plate_is_exr:
+        return Passthrough({})
+    if origin is None or picture.plate_format is None or not picture.plate_format.layers:
         warn("keep_layers: the image does not come from an EXR file, so there are no other layers to keep")
-        return Kept({})
+        return Passthrough({})
     with open_picture(origin.file, picture.settings) as file:
         data, display = windows(file.specs[origin.part])
         if display != picture.image.display_window:
             warn("keep_layers: the picture has another size than the plate; its other layers are left out")
-            return Kept({})
+            return Passthrough({})
         chosen = _chosen(file, origin, wanted, set(picture.layers))
         mine = file.read_native(origin.part, chosen.pop(origin.part, []))
         if mine and data != picture.image.data_window:
@@ -55,11 +55,14 @@ def kept_layers(picture: Picture, warn: Callable[[str], None]) -> Kept:
             header = header_of_part(origin.file, part)
             header["compression"] = file.specs[part].get_string_attribute("compression")
             parts.append((header, file.read_native(part, channels)))
-    return Kept(mine, tuple(parts))
+    return Passthrough(mine, tuple(parts))
 
 
 def alpha_left_out(picture: Picture, warn: Callable[[str], None]) -> Planes:
-    """The A that the image does not have but its plate does, as it is in the file: it must not be lost."""
+    """Read the A that the image does not have but its plate does, so that it is not lost; {} where there is none.
+
+    The plane is in the file's own data type, on the image's data window.
+    """
     image, origin = picture.image, picture.image.origin
     if origin is None or not origin.alpha or image.type != "color" or "A" in image.channels:
         return {}
@@ -76,7 +79,7 @@ def alpha_left_out(picture: Picture, warn: Callable[[str], None]) -> Planes:
 
 
 def _chosen(file: PictureFile, origin: Origin, wanted: list[str], new: set[str]) -> dict[int, list[str]]:
-    """Channels to keep, by part."""
+    """Return the channels to keep, by part. ``new`` are layers of the frame itself, which replace the plate's."""
     known: set[str] = set()
     matched: set[str] = set()
     chosen: dict[int, list[str]] = {}

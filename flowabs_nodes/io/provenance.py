@@ -1,4 +1,7 @@
-"""The key and the graph that ``write`` leaves in a file, so that a later run knows whether it is there already."""
+"""Stamp files with the run that made them: its key and its graph.
+
+A later run reads the key, and knows whether the frame is there already.
+"""
 
 from __future__ import annotations
 
@@ -9,23 +12,23 @@ import OpenImageIO as oiio
 
 from flowabs_nodes.errors import ReadError
 from flowabs_nodes.io import formats
-from flowabs_nodes.io.image_file import reason
+from flowabs_nodes.io.oiio_error import reason
 
 KEY = "flowabs:key"
 GRAPH = "flowabs:graph"
 
-#: TIFF drops attributes it does not know: there they are lines of ImageDescription.
+#: A stamp in ImageDescription, for formats that drop attributes they do not know (``Format.stamps``).
 _LINE = re.compile(r"^(flowabs:[a-z]+)=(.*)$\n?", re.MULTILINE)
 
 
 def in_description(description: str, stamps: dict[str, str]) -> str:
-    """An ImageDescription that also holds the stamps, one a line."""
+    """Return an ImageDescription that also holds the stamps, one a line."""
     lines = [f"{name}={' '.join(text.splitlines())}" for name, text in stamps.items()]
     return "\n".join([*([description] if description else []), *lines])
 
 
 def without_stamps(spec: oiio.ImageSpec) -> None:
-    """Take the stamps of the run that made a plate off its header."""
+    """Remove the stamps of the run that made a plate from its header."""
     for name in (KEY, GRAPH):
         spec.erase_attribute(name)
     if "flowabs:" in (description := _text(spec, "ImageDescription")):
@@ -33,7 +36,7 @@ def without_stamps(spec: oiio.ImageSpec) -> None:
 
 
 def stored_key(path: str | os.PathLike[str]) -> str | None:
-    """The key in a file that ``write`` made; None where there is none, or the file cannot be opened."""
+    """Return the key in a file that ``write`` made; None where it holds none, or cannot be opened."""
     try:
         formats.to_read(path)
     except ReadError:
@@ -51,6 +54,7 @@ def stored_key(path: str | os.PathLike[str]) -> str | None:
 
 
 def _text(spec: oiio.ImageSpec, name: str) -> str:
+    """Return a text attribute; empty where it is missing, or no UTF-8."""
     try:
         return str(spec.get_string_attribute(name))
     except UnicodeDecodeError:

@@ -1,4 +1,4 @@
-"""Reading plates and AOVs: from a file to the Image that travels through a graph."""
+"""Read plates and AOVs: from a file to the Image that travels through a graph."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.image import Image, Origin
 from flowabs_nodes.io import alpha as alphas
 from flowabs_nodes.io import nonfinite as nonfinites
+from flowabs_nodes.io.formats import Format
 from flowabs_nodes.io.image_file import open_picture
 from flowabs_nodes.io.layers import Selection, choose_color, choose_data
 from flowabs_nodes.io.orientation import upright
@@ -23,11 +24,9 @@ from flowabs_nodes.io.settings import Settings, checked
 
 Say = Callable[[str], None]
 
-NONFINITE = ("repair", "error")
-
 
 def _quiet(text: str) -> None:
-    """Nobody listens."""
+    """Drop a message: the default where nobody listens."""
 
 
 def read_image(
@@ -42,7 +41,7 @@ def read_image(
     note: Say = _quiet,
     warn: Say = _quiet,
 ) -> Image:
-    """A plate as a color image: scene-linear, premultiplied, finite.
+    """Read a plate as a color image: scene-linear, premultiplied, finite.
 
     Parameters
     ----------
@@ -51,19 +50,23 @@ def read_image(
     part
         The part of a multi-part file, by index or name; "" looks through all.
     colorspace
-        "auto" asks the file (:func:`flowabs_nodes.color.detect`); else any OCIO name.
+        "auto" asks the file (:func:`flowabs_nodes.color.detect`); else any OCIO name, or "cineon".
     alpha
         "auto": premultiplied (straight in PNG), and opaque where A is 0 in every pixel; "ignore": opaque;
         "premultiplied" and "straight": as said.
     nonfinite
         "repair" NaN and Inf from their neighbours, or "error".
     settings, note, warn
-        The run's limits, and who is told what was found.
+        The run's limits; functions that are told what was found, and what is wrong with it.
 
     Raises
     ------
     ReadError
-        If the file is missing, damaged, too large, not what its name says, or has no such colour.
+        If the file is missing, damaged, too large, not what its name says, or has no such layer, part or colour.
+    ColorError
+        If ``colorspace`` is no colour space.
+    CommandError
+        If the path lies outside ``settings.root``.
     """
     settings = settings or Settings()
     name = os.fspath(checked(path, settings))
@@ -72,9 +75,8 @@ def read_image(
             chosen = choose_color(file.specs, layer, part)
             source = file.specs[chosen.part]
             pixels = file.read(chosen.part, chosen.channels)
-            kind = file.format
-        photographed = kind != "openexr" and source.format.basetype not in (oiio.HALF, oiio.FLOAT, oiio.DOUBLE)
-        detected = color.detect(source, colorspace, settings.ocio, display_referred=photographed)
+            format = file.format
+        detected = _colorspace(source, format, colorspace, settings)
         for text in (chosen.note, f"colour space {detected.how}"):
             if text:
                 note(text)
@@ -82,12 +84,12 @@ def read_image(
         pixels, repairs = nonfinites.repaired(pixels, nonfinite)
         if repairs:
             note(repairs)
-        if kind != "openexr":
+        if format.oriented:
             pixels = upright(pixels, source)
 
         coverage, left_out = _coverage(pixels, chosen, alpha, note)
         rgb = np.repeat(pixels[..., :1], 3, axis=2) if chosen.grey else pixels[..., :3]
-        straight = alpha == "straight" or (alpha == "auto" and alphas.is_straight(source, kind))
+        straight = alpha == "straight" or (alpha == "auto" and format.stores_straight(source))
         space = detected.space
         if detected.encoding is not None:
             if coverage is not None and not straight:
@@ -114,7 +116,7 @@ def read_data(
     note: Say = _quiet,
     warn: Say = _quiet,
 ) -> Image:
-    """AOVs as a data image: the numbers as they are in the file, under their own channel names.
+    """Read AOVs as a data image: the numbers as they are in the file, under their own channel names.
 
     ``layer`` is a layer ("crypto00"), one channel ("Z", "N.X") or a part's name; "" is every channel of the part, by
     default the first. Whole numbers of an EXR keep their value up to 2**24, which is what float32 holds exactly;
@@ -139,8 +141,17 @@ def read_data(
     return Image(pixels, spec, "data", origin=Origin(os.path.abspath(name), chosen.part, chosen.layer, chosen.channels))
 
 
+def _colorspace(source: oiio.ImageSpec, format: Format, given: str, settings: Settings) -> color.Detected:
+    """Find the colour space: the one given, else what the format's own fields declare, else OpenImageIO's tags."""
+    if given in ("", "auto") and format.declared is not None:
+        declared = format.declared(source)
+        return color.detect(source, declared.name, settings.ocio, said_by=declared.source)
+    photographed = format.display_referred and source.format.basetype not in (oiio.HALF, oiio.FLOAT, oiio.DOUBLE)
+    return color.detect(source, given, settings.ocio, display_referred=photographed)
+
+
 def _coverage(pixels: Array, chosen: Selection, policy: str, note: Say) -> tuple[Array | None, str]:
-    """The (H, W) alpha to work with, or None and the name of the channel that was left out."""
+    """Return the (H, W) alpha to work with and ""; or None and the name of the alpha channel that is left out."""
     if not chosen.has_alpha:
         return None, ""
     coverage = np.ascontiguousarray(pixels[..., -1])
@@ -153,10 +164,10 @@ def _coverage(pixels: Array, chosen: Selection, policy: str, note: Say) -> tuple
 
 
 def _spec(source: oiio.ImageSpec, chosen: Selection, names: tuple[str, ...]) -> oiio.ImageSpec:
-    """The file's header for the channels that were read, under their new names."""
-    formats = {str(source.channelformat(source.channelnames.index(name))) for name in chosen.channels}
+    """Return the file's header for the channels that were read, under their new names and without stamps."""
+    stored = {str(source.channelformat(source.channelnames.index(name))) for name in chosen.channels}
     spec = oiio.ImageSpec(source)
-    spec.set_format(oiio.TypeDesc(formats.pop() if len(formats) == 1 else "float"))
+    spec.set_format(oiio.TypeDesc(stored.pop() if len(stored) == 1 else "float"))
     spec.nchannels = len(names)
     spec.channelnames = names
     spec.channelformats = ()

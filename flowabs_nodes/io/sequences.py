@@ -1,4 +1,7 @@
-"""Numbered files and frame ranges: ``shot.####.exr`` (fileseq's tokens, Nuke's widths) and ``1-100x2,200`` (Nuke's)."""
+"""Find the files of a sequence, ``shot.####.exr`` (fileseq's tokens, Nuke's widths), and parse frame ranges.
+
+Ranges are Nuke's: ``1-100x2,200``.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,7 @@ _TOKEN = re.compile(r"#+|@+|%\d*d(?![A-Za-z])|\$F\d*")
 
 
 def parse_frames(text: str) -> tuple[int, ...]:
-    """The frames of a range such as ``1001-1100x2,200`` or ``-5-5``, each once, in the order given.
+    """Return the frames of a range such as ``1001-1100x2,200`` or ``-5-5``, each once, in the order given.
 
     Raises CommandError where the text is no range, or comes to more than a million frames.
     """
@@ -41,7 +44,7 @@ def parse_frames(text: str) -> tuple[int, ...]:
 
 @dataclass(frozen=True)
 class Source:
-    """Where a frame's pixels come from after the missing-frame policy has spoken.
+    """The file that a frame's pixels come from, once it is known what to do about a missing one.
 
     ``path`` is the file to read: of another frame for "hold" and "nearest"; for ``black`` the nearest frame's, whose
     windows and metadata the black frame takes; None where the frame is to be left out (``skip``).
@@ -72,7 +75,7 @@ class Sequence:
 
     @cached_property
     def _parts(self) -> tuple[str, int, str] | None:
-        """What stands before the number, its width, and what stands after it; None for a single picture."""
+        """The pattern as text before the number, the number's width, text after it; None for a single picture."""
         folder, name = os.path.split(self.pattern)
         tokens = list(_TOKEN.finditer(name))
         if not tokens:
@@ -93,14 +96,14 @@ class Sequence:
         return os.path.join(folder, name[: token.start()]), numbered.zfill(), name[token.end() :]
 
     def path(self, frame: int) -> str:
-        """The file of that frame; a single picture is every frame's."""
+        """Return the file of a frame; a single picture is the file of every frame."""
         if self._parts is None:
             return self.pattern
         before, width, after = self._parts
         return f"{before}{frame:0{width}d}{after}"
 
     def frame_of(self, name: str) -> int | None:
-        """The frame that a file name without folder is, or None where it is not of this sequence."""
+        """Return the frame of a file name without folder; None for a file that is not of this sequence."""
         if self._parts is None:
             return 1 if name == os.path.basename(self.pattern) else None
         before, _, after = self._parts
@@ -112,7 +115,7 @@ class Sequence:
         return frame if os.path.basename(self.path(frame)) == name else None
 
     def frames_on_disk(self) -> tuple[int, ...]:
-        """The frames that are there, in order; a single picture is frame 1."""
+        """Return the frames that are on disk, in order; a single picture is frame 1. Raises ReadError."""
         folder = os.path.dirname(self.pattern) or "."
         if not self.has_token:
             return (1,) if os.path.exists(self.pattern) else ()
@@ -125,7 +128,10 @@ class Sequence:
         return tuple(sorted(frame for frame in found if frame is not None))
 
     def resolve(self, frame: int, missing: str = "error") -> Source:
-        """The file to read for ``frame``; raises ReadError where it is missing and the policy does not help."""
+        """Return the file to read for ``frame``; ``missing`` is one of :data:`MISSING`.
+
+        Raises ReadError where the file is missing and the policy finds no other.
+        """
         path = self.path(frame)
         if os.path.exists(path):
             return Source(path, frame)
@@ -145,12 +151,3 @@ class Sequence:
             raise ReadError(message, code="missing-file", file=path, frame=frame, hint=hint)
         nearest = min(there, key=lambda other: (abs(other - frame), other))
         return Source(self.path(nearest), frame, black=missing == "black")
-
-
-def listing(frames: tuple[int, ...]) -> str:
-    """Frames as a range, for messages: (1, 2, 3, 7) is "1-3,7"."""
-    if not frames:
-        return "none"
-    import fileseq
-
-    return str(fileseq.FrameSet(frames).frange)

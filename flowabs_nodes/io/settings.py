@@ -1,4 +1,4 @@
-"""What reading and writing need to know about a run: the largest picture, the OCIO config, the folder it may touch."""
+"""Hold what reading and writing need to know about a run: size limit, OCIO config, the folder that it may touch."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ class Settings:
 
 
 def checked(path: str | os.PathLike[str], settings: Settings) -> Path:
-    """``path`` if it is a name that files have and lies within ``settings.root``; else CommandError.
+    """Return ``path`` if a file can have that name and it lies within ``settings.root``. Raises CommandError.
 
-    Where the last part of the name is a symbolic link it counts as where it leads.
+    A symbolic link counts as the file that it leads to.
     """
     name = os.fspath(path)
     if not name or "\0" in name:
@@ -50,18 +50,8 @@ def checked(path: str | os.PathLike[str], settings: Settings) -> Path:
 
 
 def within(path: str | os.PathLike[str], root: str | os.PathLike[str]) -> bool:
-    """True if ``path``, with every symbolic link followed, lies in the folder ``root``; it need not exist."""
+    """Return True if ``path``, with every symbolic link followed, lies in the folder ``root``; it need not exist."""
     try:
         return Path(path).resolve().is_relative_to(Path(root).resolve())
     except (OSError, RuntimeError, ValueError):  # a loop of links; a name that no file can have
-        return False
-
-
-def same_file(a: str | os.PathLike[str], b: str | os.PathLike[str]) -> bool:
-    """True if both names lead to one file, links of any kind included; neither need exist."""
-    try:
-        if Path(a).resolve() == Path(b).resolve():
-            return True
-        return os.path.samefile(a, b)
-    except (OSError, RuntimeError, ValueError):
         return False

@@ -1,6 +1,6 @@
-"""Safe writing: at the final name there is a whole frame or nothing.
+"""Write frames safely: at the final name there is a whole frame or nothing.
 
-Claim, encode in memory, write every byte to the temporary, sync, read every pixel back, rename.
+A frame is claimed, encoded in memory, written to the temporary byte by byte, synced, read back pixel by pixel, renamed.
 """
 
 from __future__ import annotations
@@ -11,8 +11,7 @@ from contextlib import nullcontext
 
 from flowabs_nodes.errors import FlowabsError, WriteError
 from flowabs_nodes.io import formats
-from flowabs_nodes.io.encode_exr import encode_exr
-from flowabs_nodes.io.encode_flat import encode_flat
+from flowabs_nodes.io.formats import Encoder, Format
 from flowabs_nodes.io.frame_lock import Claim, claim, failure
 from flowabs_nodes.io.output_image import Picture, build_picture
 from flowabs_nodes.io.provenance import GRAPH, KEY, stored_key
@@ -32,28 +31,34 @@ def save(
     claimed: Claim | None = None,
     warn: Callable[[str], None] = lambda text: None,
 ) -> None:
-    """Write a picture in the format of the file's extension: EXR, PNG or TIFF.
+    """Write a picture in the format of the file's extension (:func:`flowabs_nodes.io.formats.to_write`).
 
     ``key`` and ``graph`` are stored in the file (:func:`stored_key`). An existing file is replaced in one step.
-    ``claimed`` is a claim on the path that the caller holds already, and lets go; else one is made for the writing.
-    Raises ClaimedError where somebody else is writing it, WriteError for all else; then no temporary is left, and at
-    ``path`` is what was there before.
+    ``claimed`` is a claim on the path that the caller already holds, and will release; without one, a claim is made for
+    the time of writing. ``warn`` is told what the format cannot hold.
+
+    Raises ClaimedError where somebody else is writing the file, CommandError for a path outside ``settings.root``,
+    WriteError for all else. After an error no temporary is left, and ``path`` is as it was before.
     """
     name = checked(path, settings or picture.settings)
     try:
-        kind = formats.to_write(name)
+        format = formats.to_write(name)
         with nullcontext(claimed) if claimed else claim(name) as held:
-            _write(picture, kind, held, {stamp: text for stamp, text in ((KEY, key), (GRAPH, graph)) if text}, warn)
+            _write(picture, format, held, {stamp: text for stamp, text in ((KEY, key), (GRAPH, graph)) if text}, warn)
     except FlowabsError as error:
         error.at(file=os.fspath(name))
         raise
 
 
-def _write(picture: Picture, kind: str, claimed: Claim, stamps: dict[str, str], warn: Callable[[str], None]) -> None:
+def _write(
+    picture: Picture, format: Format, claimed: Claim, stamps: dict[str, str], warn: Callable[[str], None]
+) -> None:
+    """Encode, write to the claimed temporary, verify and publish. Raises WriteError."""
     try:
-        data = encode_exr(picture, stamps, warn) if kind == "openexr" else encode_flat(picture, kind, stamps, warn)
+        encode: Encoder = formats.load(format.encoder)
+        data = encode(picture, format, stamps, warn)
         claimed.write(data)
-        if not claimed.holds(data) or not is_whole(claimed.temporary, picture.settings, kind):
+        if not claimed.holds(data) or not is_whole(claimed.temporary, picture.settings, format):
             raise WriteError("what was written cannot be read back", code="not-whole")
         claimed.publish()
     except OSError as error:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from flowabs_nodes.image import Image
+from flowabs_nodes.io import formats
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
 
 MISSING = Param.enum(
@@ -64,7 +65,7 @@ def run_read(
 READ = Node(
     type="read",
     version=1,
-    help="A plate from EXR, PNG, JPEG or TIFF: scene-linear, premultiplied colour.",
+    help=f"A plate from {formats.listed(formats.ALL)}: scene-linear, premultiplied colour.",
     inputs=(),
     outputs=(Port("image", "color", "R, G, B and, where the file has it, A; a grey plate is colour with R = G = B."),),
     params=(
@@ -88,9 +89,14 @@ READ = Node(
         MISSING,
     ),
     run=run_read,
-    doc=(
-        "Photographs (PNG, JPEG, TIFF) count as sRGB and become linear Rec.709 unless they say otherwise. Windows and "
-        "metadata go along to `write`. An alpha that is ignored, or 0 in every pixel, is written again as it was."
+    doc=" ".join(
+        (
+            f"Photographs ({formats.listed(formats.DISPLAY_REFERRED, ', ')}) count as sRGB and become linear Rec.709",
+            "unless they say otherwise.",
+            *(format.help for format in formats.ALL if format.help),
+            "Windows and metadata go along to `write`. An alpha that is ignored, or 0 in every pixel, is written again",
+            "as it was.",
+        )
     ),
 )
 

@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from flowabs_nodes.image import Image
+from flowabs_nodes.io import formats
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
 
 
@@ -56,7 +57,7 @@ def run_write(
 WRITE = Node(
     type="write",
     version=1,
-    help="Writes a frame as EXR, PNG or TIFF: whole, or not at all.",
+    help=f"Writes a frame as {formats.listed(formats.WRITABLE)}: whole, or not at all.",
     inputs=(Port("image", "any", "The picture. A mono or matte is written as R = G = B."),),
     outputs=(),
     extra_inputs=Port("layer", "any", "A further layer of an EXR, named as the input."),

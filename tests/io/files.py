@@ -1,4 +1,4 @@
-"""Pictures drawn by code: EXR by the OpenEXR module, or byte by byte where nothing writes such a file."""
+"""Make the files that the tests read: EXR by the OpenEXR module, or byte by byte where nothing writes such a file."""
 
 from __future__ import annotations
 
@@ -10,7 +10,10 @@ import numpy as np
 import OpenEXR
 import OpenImageIO as oiio
 
+from flowabs_nodes.image import Image
 from flowabs_nodes.io.attributes import values
+from flowabs_nodes.io.output_image import build_picture
+from flowabs_nodes.io.write import save
 
 Planes = dict[str, np.ndarray]
 
@@ -19,7 +22,7 @@ DISPLAY = (-5, 0, 40, 30)
 
 
 def colors(height: int = 24, width: int = 32, channels: int = 3, seed: int = 1, dtype: Any = np.float16) -> np.ndarray:
-    """(H, W, C) of smooth colour between 0 and 2 with a little noise; an alpha is between 0.1 and 1."""
+    """Return (H, W, C) of smooth colour between 0 and 2 with a little noise; an alpha is between 0.1 and 1."""
     rng = np.random.default_rng(seed)
     y, x = np.mgrid[:height, :width]
     rgb = [1 + np.sin((x * (1 + c) + y) / 9 + c) for c in range(3)]
@@ -31,7 +34,7 @@ def colors(height: int = 24, width: int = 32, channels: int = 3, seed: int = 1, 
 
 
 def planes(pixels: np.ndarray, names: str | tuple[str, ...] = "RGBA", layer: str = "") -> Planes:
-    """One plane per channel, as the OpenEXR module wants them."""
+    """Return one plane (H, W) per channel, as the OpenEXR module wants them."""
     prefix = f"{layer}." if layer else ""
     return {
         prefix + name: np.ascontiguousarray(pixels[..., i])
@@ -40,18 +43,19 @@ def planes(pixels: np.ndarray, names: str | tuple[str, ...] = "RGBA", layer: str
 
 
 def box(x: int, y: int, width: int, height: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return a window as EXR's box2i: first and last pixel."""
     return np.array([x, y], np.int32), np.array([x + width - 1, y + height - 1], np.int32)
 
 
 def exr(path: Path, channels: Planes, **header: Any) -> Path:
-    """A one-part EXR; zip-compressed scanlines unless ``header`` says else."""
+    """Write a one-part EXR; zip-compressed scanlines unless ``header`` says else."""
     head = {"type": OpenEXR.scanlineimage, "compression": OpenEXR.ZIP_COMPRESSION, **header}
     OpenEXR.File(head, dict(channels)).write(str(path))  # it puts its own objects into the dict
     return path
 
 
 def parts(path: Path, *each: tuple[str, Planes, dict[str, Any]]) -> Path:
-    """A multi-part EXR of (name, channels, header)."""
+    """Write a multi-part EXR of (name, channels, header)."""
     made = []
     for name, channels, header in each:
         head = {"type": OpenEXR.scanlineimage, "compression": OpenEXR.ZIP_COMPRESSION, **header}
@@ -61,14 +65,14 @@ def parts(path: Path, *each: tuple[str, Planes, dict[str, Any]]) -> Path:
 
 
 def windowed(path: Path, **header: Any) -> Path:
-    """A half-float RGB plate with overscan and a negative corner."""
+    """Write a half-float RGB plate with overscan and a negative corner."""
     pixels = colors()
     windows = {"dataWindow": box(*DATA, 32, 24), "displayWindow": box(*DISPLAY)}
     return exr(path, planes(pixels), **windows, **header)
 
 
 def flat(path: Path, pixels: np.ndarray, **attributes: Any) -> Path:
-    """A PNG, JPEG or TIFF by OpenImageIO; ``__`` in a name stands for ``:``. Alpha is straight."""
+    """Write a PNG, JPEG or TIFF; ``__`` in an attribute's name stands for ``:``. Alpha is straight."""
     kind = "float" if pixels.dtype == np.float32 else str(pixels.dtype)
     spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], pixels.shape[2], kind)
     spec.attribute("oiio:UnassociatedAlpha", 1)
@@ -82,7 +86,7 @@ def flat(path: Path, pixels: np.ndarray, **attributes: Any) -> Path:
 
 
 def deep(path: Path) -> Path:
-    """A deep EXR of 2x2 pixels with one sample each."""
+    """Write a deep EXR of 2x2 pixels with one sample each."""
     spec = oiio.ImageSpec(2, 2, 2, oiio.FLOAT)
     spec.channelnames = ("A", "Z")
     spec.deep = True
@@ -99,7 +103,10 @@ def deep(path: Path) -> Path:
 
 
 def raw_header(window: tuple[int, int, int, int], channels: list[tuple[str, int, int]], tiles: int = 0) -> bytes:
-    """An EXR header, byte by byte: half channels of (name, x and y sampling), no compression; window x0, y0, x1, y1."""
+    """Return an EXR header, byte by byte, without compression.
+
+    ``window`` is x0, y0, x1, y1; ``channels`` are half, each (name, x sampling, y sampling); ``tiles`` is their size.
+    """
 
     def attribute(name: str, kind: str, value: bytes) -> bytes:
         return name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(value)) + value
@@ -122,7 +129,7 @@ def raw_header(window: tuple[int, int, int, int], channels: list[tuple[str, int,
 
 
 def luminance_chroma(path: Path, channels: dict[str, tuple[np.ndarray, int]], corner: tuple[int, int] = (0, 0)) -> Path:
-    """An EXR of half channels (plane, sampling), which no module writes: one chunk a scanline, uncompressed."""
+    """Write an EXR of half channels (plane, sampling), which no module does: one chunk a scanline, uncompressed."""
     height, width = next(plane.shape for plane, step in channels.values() if step == 1)
     x0, y0 = corner
     header = raw_header(
@@ -147,7 +154,7 @@ def luminance_chroma(path: Path, channels: dict[str, tuple[np.ndarray, int]], co
 
 
 def attributes(path: Path, part: int = 0) -> dict[str, tuple[str, Any]]:
-    """Name -> (type, value) of a file's metadata, without what describes its encoding."""
+    """Return a file's metadata, name -> (type, value), without what describes its encoding."""
     source = oiio.ImageInput.open(str(path))
     assert source is not None
     assert source.seek_subimage(part, 0)
@@ -158,10 +165,31 @@ def attributes(path: Path, part: int = 0) -> dict[str, tuple[str, Any]]:
 
 
 def native(path: Path, part: int = 0) -> Planes:
-    """Every channel of a part in the file's own data type, by the OpenEXR module."""
+    """Read every channel of a part in the file's own data type, by the OpenEXR module."""
     file = OpenEXR.File(str(path), separate_channels=True)
     return {name: channel.pixels for name, channel in file.parts[part].channels.items()}
 
 
 def same_bits(a: np.ndarray, b: np.ndarray) -> bool:
+    """Return True if shape, data type and every bit are equal: NaN equals the same NaN."""
     return a.dtype == b.dtype and a.shape == b.shape and a.tobytes() == b.tobytes()
+
+
+def written(
+    image: Image, path: Path, *, layers: dict[str, Image] | None = None, **options: Any
+) -> tuple[Path, list[str]]:
+    """Write an image with the key "the key"; return the file and what it warned of."""
+    warned: list[str] = []
+    picture = build_picture(image, layers, warn=warned.append, **options)
+    save(picture, path, key="the key", graph='{"a": "é"}', warn=warned.append)
+    return path, warned
+
+
+def like(image: Image, pixels: np.ndarray, type: Any = None) -> Image:
+    """Return other pixels on an image's windows, with its metadata."""
+    return image.with_pixels(np.asarray(pixels, np.float32), type)
+
+
+def srgb_to_linear(codes: np.ndarray) -> np.ndarray:
+    """Return the linear light of sRGB codes, 0..1, by the standard's own words (IEC 61966-2-1)."""
+    return np.where(codes <= 0.04045, codes / 12.92, ((codes + 0.055) / 1.055) ** 2.4)

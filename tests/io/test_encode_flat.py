@@ -1,4 +1,4 @@
-"""PNG and TIFF: one picture to look at."""
+"""PNG and TIFF hold one picture to look at: encoded for the screen, cut to the display window."""
 
 from __future__ import annotations
 
@@ -13,19 +13,18 @@ from flowabs_nodes.errors import WriteError
 from flowabs_nodes.image import Image, Window
 from flowabs_nodes.io.read import read_data, read_image
 from flowabs_nodes.io.write import build_picture, save, stored_key
-from tests.io.files import colors, exr, flat, planes, windowed
-
-
-def written(
-    image: Image, path: Path, *, layers: dict[str, Image] | None = None, **options: Any
-) -> tuple[Path, list[str]]:
-    warned: list[str] = []
-    picture = build_picture(image, layers, warn=warned.append, **options)
-    save(picture, path, key="the key", graph='{"a": "é"}', warn=warned.append)
-    return path, warned
+from tests.io.files import (
+    colors,
+    exr,
+    flat,
+    planes,
+    windowed,
+    written,
+)
 
 
 def codes(path: Path) -> np.ndarray:
+    """Read a file's whole numbers, (H, W, C), alpha straight."""
     config = oiio.ImageSpec()
     config.attribute("oiio:UnassociatedAlpha", 1)
     source = oiio.ImageInput.open(str(path), config)
@@ -35,6 +34,7 @@ def codes(path: Path) -> np.ndarray:
 
 
 def spec(path: Path) -> oiio.ImageSpec:
+    """Read a file's header."""
     return oiio.ImageInput.open(str(path)).spec()
 
 

@@ -29,7 +29,7 @@ with claim(sys.argv[1]) as held:
 
 
 def holder(path: Path) -> subprocess.Popen[str]:
-    """Another process that holds a claim until it reads a line."""
+    """Start another process, which holds a claim until it reads a line."""
     process = subprocess.Popen([sys.executable, "-c", HOLD, str(path)], stdin=-1, stdout=-1, text=True)
     assert process.stdout is not None
     assert process.stdout.readline() == "holding\n"
@@ -44,6 +44,7 @@ def temporary(path: Path, host: str, pid: int, age: float = 0.0) -> Path:
 
 
 def left(folder: Path) -> list[str]:
+    """Return the names of the files that are left in a folder."""
     return sorted(os.listdir(folder))
 
 

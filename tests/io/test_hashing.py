@@ -1,3 +1,5 @@
+"""A content's hash changes with the content, and with nothing else."""
+
 from __future__ import annotations
 
 import os

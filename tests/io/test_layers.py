@@ -1,3 +1,5 @@
+"""A layer's name finds part and channels, or an error that lists what there is."""
+
 from __future__ import annotations
 
 import OpenImageIO as oiio
@@ -8,6 +10,7 @@ from flowabs_nodes.io.layers import choose_color, choose_data, layer_of
 
 
 def spec(*channels: str, name: str = "", deep: bool = False) -> oiio.ImageSpec:
+    """Return the header of a part with these channels."""
     made = oiio.ImageSpec(4, 4, len(channels), oiio.HALF)
     made.channelnames = channels
     made.deep = deep

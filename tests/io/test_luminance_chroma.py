@@ -21,12 +21,13 @@ WEIGHTS = np.array([0.2126390058715103, 0.7151686787677559, 0.07219231536073371]
 
 
 def split(rgb: np.ndarray) -> dict[str, tuple[np.ndarray, int]]:
-    """RGB to Y, RY, BY, the chroma taken (not filtered) at even x and y."""
+    """Return Y, RY, BY of (H, W, 3), each with its sampling; chroma is taken, not filtered, at even x and y."""
     y = rgb @ WEIGHTS
     return {"Y": (y, 1), "RY": (((rgb[..., 0] - y) / y)[::2, ::2], 2), "BY": (((rgb[..., 2] - y) / y)[::2, ::2], 2)}
 
 
 def smooth(height: int = 40, width: int = 50) -> np.ndarray:
+    """Return (H, W, 3) of colour without detail, which survives the subsampling of chroma."""
     y, x = np.mgrid[:height, :width]
     return np.stack([1 + 0.5 * np.sin(x / 15), 1 + 0.3 * np.cos(y / 12), 1 + 0.4 * np.sin((x + y) / 20)], 2)
 

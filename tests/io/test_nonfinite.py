@@ -1,3 +1,5 @@
+"""NaN and Inf are counted, and repaired from their neighbours."""
+
 from __future__ import annotations
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""The plate's other layers, bit for bit."""
+"""The plate's other layers come back bit for bit, and so does an alpha that was not read."""
 
 from __future__ import annotations
 
@@ -9,17 +9,30 @@ import numpy as np
 import OpenEXR
 import pytest
 
-from flowabs_nodes.errors import WriteError
+from flowabs_nodes.errors import ReadError, WriteError
 from flowabs_nodes.image import Image, Window
 from flowabs_nodes.io.read import read_image
 from flowabs_nodes.io.write import build_picture, save
-from tests.io.files import attributes, box, colors, exr, flat, native, parts, planes, same_bits
+from tests.io.files import (
+    attributes,
+    box,
+    colors,
+    exr,
+    flat,
+    like,
+    native,
+    parts,
+    planes,
+    same_bits,
+    windowed,
+    written,
+)
 
 RNG = np.random.default_rng(3)
 
 
 def aovs(height: int = 24, width: int = 32) -> dict[str, Any]:
-    """Half, float and uint side by side, with every bit pattern that may occur."""
+    """Return half, float and uint channels side by side, with every bit pattern that may occur."""
     shape = (height, width)
     bits = RNG.integers(0, 2**32, shape, dtype=np.uint32)
     return {
@@ -40,6 +53,7 @@ def plate(tmp_path: Path) -> Path:
 
 
 def kept(image: Image, path: Path, names: str, **layers: Image) -> tuple[dict[str, np.ndarray], list[str]]:
+    """Write an image with these layers of its plate kept; return the file's channels, and the warnings."""
     warned: list[str] = []
     save(build_picture(image, layers, keep_layers=names, warn=warned.append), path, warn=warned.append)
     return native(path), warned
@@ -143,3 +157,48 @@ def test_nothing_to_keep_from(tmp_path: Path) -> None:
     for image in (Image.from_array(colors()), read_image(flat(tmp_path / "a.png", np.zeros((4, 4, 3), np.uint8)))):
         _, warned = kept(image, tmp_path / "out.exr", "*")
         assert "does not come from an EXR" in warned[0]
+
+
+# ---------------------------------------------------------------------- an alpha that was not read
+
+
+def test_an_alpha_of_zero_everywhere_is_written_as_it_was(tmp_path: Path) -> None:
+    pixels = colors(channels=4)
+    pixels[..., 3] = 0
+    plate = exr(tmp_path / "carrots.exr", planes(pixels))
+    image = read_image(plate)
+    out, _ = written(like(image, image.pixels + 1), tmp_path / "out.exr", layers={"n": image})
+    found = native(out)
+    assert same_bits(found["A"], native(plate)["A"])
+    assert "n.A" not in found
+    assert "A" not in native(written(like(image, image.pixels[..., :1], "matte"), tmp_path / "m.exr")[0])
+
+
+def test_an_ignored_alpha_is_written_as_it_was(tmp_path: Path) -> None:
+    plate = windowed(tmp_path / "plate.exr")
+    channels: dict[str, np.ndarray] = native(plate) | {"A": colors()[..., 0].astype(np.float32)}
+    header = {
+        name: value for name, value in OpenEXR.File(str(plate), header_only=True).header().items() if "Window" in name
+    }
+    plate = exr(tmp_path / "alpha.exr", channels, **header)
+    image = read_image(plate, alpha="ignore")
+    out, _ = written(image, tmp_path / "out.exr")
+    assert same_bits(native(out)["A"], channels["A"])
+    moved = image.on_window(Window(0, 0, 10, 10))
+    out, _ = written(moved, tmp_path / "moved.exr")
+    placed = np.zeros((10, 10), np.float32)
+    placed[:, 3:] = channels["A"][2:12, :7]  # the corner of the plate's window is (3, -2), of the new one (0, 0)
+    np.testing.assert_array_equal(native(out)["A"], placed)
+
+
+def test_a_plate_that_is_gone_takes_nothing_with_it_silently(tmp_path: Path) -> None:
+    pixels = colors(channels=4)
+    plate = exr(tmp_path / "plate.exr", planes(pixels))
+    ignored, image = read_image(plate, alpha="ignore"), read_image(plate)
+    plate.unlink()
+    for lost, options in ((ignored, {}), (image, {"keep_layers": "*"})):
+        with pytest.raises(ReadError, match="no such file"):
+            written(lost, tmp_path / "out.exr", **options)
+    assert not (tmp_path / "out.exr").exists()
+    _, warned = written(image, tmp_path / "out.exr")
+    assert "word for word" in warned[0]

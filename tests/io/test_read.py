@@ -1,3 +1,5 @@
+"""A plate or AOV that is read: pixels, windows, channels, alpha, colour space, limits."""
+
 from __future__ import annotations
 
 from pathlib import Path
@@ -12,13 +14,20 @@ from flowabs_nodes.errors import ColorError, CommandError, ReadError
 from flowabs_nodes.image import Origin, Window
 from flowabs_nodes.io.read import read_data, read_image
 from flowabs_nodes.io.settings import Settings
-from tests.io.files import DATA, DISPLAY, box, colors, exr, flat, parts, planes, windowed
+from tests.io.files import (
+    DATA,
+    DISPLAY,
+    box,
+    colors,
+    exr,
+    flat,
+    parts,
+    planes,
+    srgb_to_linear,
+    windowed,
+)
 
 AP0 = (0.7347, 0.2653, 0.0, 1.0, 0.0001, -0.077, 0.32168, 0.33767)
-
-
-def srgb_to_linear(codes: np.ndarray) -> np.ndarray:
-    return np.where(codes <= 0.04045, codes / 12.92, ((codes + 0.055) / 1.055) ** 2.4)
 
 
 def test_pixels_and_windows(tmp_path: Path) -> None:
@@ -241,40 +250,9 @@ def test_thin_plates(tmp_path: Path, size: tuple[int, int]) -> None:
     assert read_image(exr(tmp_path / "thin.exr", planes(colors(*size)))).pixels.shape == (*size, 3)
 
 
-def test_limits(tmp_path: Path) -> None:
-    path = windowed(tmp_path / "plate.exr")
-    read_image(path, settings=Settings(max_pixels=32 * 24))
-    with pytest.raises(ReadError, match="32x24 is more than 767 pixels") as caught:
-        read_image(path, settings=Settings(max_pixels=32 * 24 - 1))
-    assert caught.value.code == "too-large"
-    many = {f"c{i:02}": np.zeros((4, 4), np.float16) for i in range(20)}
-    with pytest.raises(ReadError, match="20 channels are too many"):
-        read_data(exr(tmp_path / "many.exr", many), settings=Settings(max_pixels=16))
-
-
 def test_root(tmp_path: Path) -> None:
     (tmp_path / "root").mkdir()
     path = windowed(tmp_path / "plate.exr")
     (tmp_path / "root" / "link.exr").symlink_to(path)
     with pytest.raises(CommandError, match="outside"):
         read_image(tmp_path / "root" / "link.exr", settings=Settings(root=tmp_path / "root"))
-
-
-def test_a_photograph_lying_on_its_side(tmp_path: Path) -> None:
-    codes = np.arange(2 * 3 * 3, dtype=np.uint8).reshape(2, 3, 3) * 10
-    turned = {
-        1: codes,
-        3: codes[::-1, ::-1],
-        6: np.rot90(codes, -1),
-        8: np.rot90(codes, 1),
-        2: codes[:, ::-1],
-        4: codes[::-1],
-    }
-    turned |= {5: codes.swapaxes(0, 1), 7: codes[::-1, ::-1].swapaxes(0, 1)}
-    for orientation, upright in turned.items():
-        image = read_image(flat(tmp_path / f"o{orientation}.tif", codes, Orientation=orientation))
-        np.testing.assert_allclose(image.pixels, srgb_to_linear(upright / 255), atol=1e-6)
-        assert image.spec.get_int_attribute("Orientation", 1) == 1
-        assert image.data_window == image.display_window == Window(0, 0, upright.shape[1], upright.shape[0])
-    path = exr(tmp_path / "o.exr", planes(colors()), Orientation=6)  # in an EXR it is only an attribute
-    assert read_image(path).pixels.shape == (24, 32, 3)

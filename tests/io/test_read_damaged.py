@@ -18,6 +18,7 @@ from tests.io.files import colors, deep, exr, flat, planes, raw_header
 
 
 def refused(path: Path, match: str = ".") -> ReadError:
+    """Assert that no reader takes a file, and that it counts as not whole; return the error."""
     for read in (read_image, read_data):
         with pytest.raises(ReadError, match=match) as caught:
             read(path)
@@ -43,9 +44,9 @@ def test_content_must_be_what_the_name_says(tmp_path: Path) -> None:
     assert refused(wrong, "not an EXR file: it is a PNG file").code == "bad-format"
     wrong.write_text("hello world\n" * 100)
     refused(wrong, "does not begin as one")
-    other = tmp_path / "a.dpx"
+    other = tmp_path / "a.cin"
     other.write_bytes(png.read_bytes())
-    refused(other, "exr, png, jpg, jpeg, tif or tiff")
+    refused(other, "these are dpx, exr, jpg, jpeg, png, tif or tiff")
 
 
 @pytest.mark.parametrize("compression", ["ZIP", "NO", "PIZ"])

@@ -1,3 +1,5 @@
+"""Frame ranges, frame tokens, and what to read for a frame that is missing."""
+
 from __future__ import annotations
 
 import time
@@ -8,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from flowabs_nodes.errors import CommandError, ReadError
-from flowabs_nodes.io.sequences import Sequence, Source, listing, parse_frames
+from flowabs_nodes.io.sequences import Sequence, Source, parse_frames
 
 
 @pytest.mark.parametrize(
@@ -135,8 +137,3 @@ def test_missing_with_nothing_there(tmp_path: Path) -> None:
             Sequence(str(tmp_path / "s.####.exr")).resolve(1, missing)
         with pytest.raises(ReadError, match="no such file"):
             Sequence(str(tmp_path / "none" / "s.exr")).resolve(1, missing)
-
-
-def test_listing() -> None:
-    assert listing((1, 2, 3, 7)) == "1-3,7"
-    assert listing(()) == "none"
