@@ -14,6 +14,7 @@ from flowabs_nodes.engine.plan import file_role, make_plan, sinks
 from flowabs_nodes.engine.sources import file_of
 from flowabs_nodes.errors import CommandError, ReadError, WriteError, nearest
 from flowabs_nodes.graph.model import Graph
+from flowabs_nodes.graph.overrides import override
 from flowabs_nodes.io import formats
 from flowabs_nodes.io.frame_lock import check_writable
 from flowabs_nodes.io.sequences import MISSING, Sequence, parse_frames
@@ -99,7 +100,7 @@ def _with_files(graph: Graph, input: PathLike | None, outputs: list[str]) -> tup
         files[f"{_only(graph, 'read', '-i')}.file"] = os.fspath(input)
     if outputs:
         files[f"{_only(graph, 'write', '-o')}.file"] = outputs[0]
-    return (graph.with_set(files) if files else graph), tuple(outputs[1:])
+    return (override(graph, files) if files else graph), tuple(outputs[1:])
 
 
 def _only(graph: Graph, type: str, option: str) -> str:

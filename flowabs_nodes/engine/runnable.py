@@ -86,7 +86,7 @@ class RunnableGraph(Graph):
 
     def with_set(self, values: Mapping[str, Any]) -> RunnableGraph:
         """The graph with other values of knobs and parameters; GraphError names each that is wrong."""
-        return _runnable(super().with_set(values))
+        return _runnable(graphs.override(self, values))
 
 
 def load_graph(source: str | Path | Mapping[str, Any] | Graph) -> RunnableGraph:
