@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from flowabs_nodes.choices import EXISTING, MISSING
 from flowabs_nodes.cli.listings import warn_of_missing_nodes
 from flowabs_nodes.errors import FlowabsError
 
@@ -45,14 +46,14 @@ def _settings(context: click.Context, option: click.Parameter, values: tuple[str
 )
 @click.option(
     "--existing",
-    type=click.Choice(["resume", "overwrite", "error"]),
+    type=click.Choice(EXISTING),
     default="resume",
     show_default=True,
     help="About files that are there: resume keeps what is whole and was made from the same.",
 )
 @click.option(
     "--missing",
-    type=click.Choice(["error", "hold", "nearest", "black", "skip"]),
+    type=click.Choice(MISSING),
     help="About frames of the plate that are not there; else as the graph says.",
 )
 @click.option("--scale", type=float, default=1.0, help="Filter a smaller picture, with lengths to match: 0.5 is half.")

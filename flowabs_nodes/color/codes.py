@@ -11,7 +11,8 @@ from functools import cache
 import numpy as np
 import numpy.typing as npt
 
-from flowabs_nodes.color import SPACES, acescct, lab
+from flowabs_nodes.choices import SPACES
+from flowabs_nodes.color import acescct, lab
 from flowabs_nodes.color.spaces import KNOWN, ColorSpace, normalised, to_ap1
 from flowabs_nodes.color.spaces import space as find_space
 from flowabs_nodes.errors import ArgumentError, nearest

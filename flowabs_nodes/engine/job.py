@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any
 
 from flowabs_nodes import graph as graphs
 from flowabs_nodes.graph.model import Graph
 from flowabs_nodes.io.settings import Settings
 from flowabs_nodes.nodes.declare import Node
-
-Existing = Literal["resume", "overwrite", "error"]
-EXISTING: tuple[Existing, ...] = ("resume", "overwrite", "error")
 
 
 @dataclass(frozen=True)
@@ -38,7 +35,7 @@ class Job:
     outputs: Mapping[str, tuple[str, ...]]
     settings: Settings = field(default_factory=Settings)
     scale: float = 1.0
-    existing: Existing = "resume"
+    existing: str = "resume"
     missing: str | None = None
     catalogue: Mapping[str, Node] | None = None
 

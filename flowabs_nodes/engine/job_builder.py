@@ -7,8 +7,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TypeVar
 
+from flowabs_nodes.choices import EXISTING, MISSING
 from flowabs_nodes.color.config import config
-from flowabs_nodes.engine.job import EXISTING, Job
+from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.lengths import check_scale
 from flowabs_nodes.engine.plan import file_role, make_plan, sinks
 from flowabs_nodes.engine.sources import file_of
@@ -17,7 +18,7 @@ from flowabs_nodes.graph.model import Graph
 from flowabs_nodes.graph.overrides import override
 from flowabs_nodes.io import formats
 from flowabs_nodes.io.frame_lock import check_writable
-from flowabs_nodes.io.sequences import MISSING, Sequence, parse_frames
+from flowabs_nodes.io.sequences import Sequence, parse_frames
 from flowabs_nodes.io.settings import Settings, checked
 from flowabs_nodes.nodes import catalogue as installed
 from flowabs_nodes.nodes.declare import Node

@@ -8,8 +8,6 @@ import OpenImageIO as oiio
 
 Array = npt.NDArray[np.float32]
 
-CHOICES = ("auto", "ignore", "premultiplied", "straight")
-
 
 def is_straight(spec: oiio.ImageSpec, kind: str) -> bool:
     """True if a file's colour is not multiplied by its alpha: always in PNG, in TIFF if it says so, never in EXR."""

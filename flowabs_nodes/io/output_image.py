@@ -10,15 +10,13 @@ import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio
 
+from flowabs_nodes.choices import COMPRESSIONS, DATA_TYPES
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.image import Array, Image, Window
 from flowabs_nodes.io import formats
 from flowabs_nodes.io.settings import Settings
 
 Say = Callable[[str], None]
-
-DATA_TYPES = ("auto", "half", "float", "uint8", "uint16")
-COMPRESSIONS = ("auto", "none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab")
 
 
 @dataclass(frozen=True)

@@ -22,8 +22,6 @@ from flowabs_nodes.io.settings import Settings, checked
 
 Say = Callable[[str], None]
 
-NONFINITE = ("repair", "error")
-
 
 def _quiet(text: str) -> None:
     """Nobody listens."""

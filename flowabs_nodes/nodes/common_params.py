@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from flowabs_nodes.choices import SAMPLINGS, SPACES
 from flowabs_nodes.nodes.declare import Param
 
 SPACE = Param.enum(
     "space",
     "lab",
-    ("lab", "acescct"),
+    SPACES,
     help="Code values the filter sees: CIE Lab (L* x 2.55), or ACEScct, where every stop counts the same (HDR).",
 )
 
@@ -26,6 +27,6 @@ def sampling(default: str) -> Param:
     return Param.enum(
         "sampling",
         default,
-        ("bilinear", "nearest"),
+        SAMPLINGS,
         help="How pixels are read along the flow: bilinear is smoother, nearest is crisper and faster.",
     )

@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from flowabs_nodes import filters
+from flowabs_nodes.choices import ETF_KERNELS
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.common_params import GROUND, SPACE, sampling
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
@@ -72,7 +73,7 @@ ETF = Node(
         Param.enum(
             "kernel",
             "full",
-            ("full", "separable"),
+            ETF_KERNELS,
             help="The exact disc, or a pass along x and one along y in each iteration (section 2.4).",
         ),
         Param.float(

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from flowabs_nodes import filters
+from flowabs_nodes.choices import FDOG_KERNELS, FORMS
 from flowabs_nodes.image import Array, Image
 from flowabs_nodes.nodes.common_params import GROUND, SPACE, sampling
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
@@ -27,7 +28,7 @@ RESPONSE = Port(
 FORM = Param.enum(
     "form",
     "paper",
-    ("paper", "xdog"),
+    FORMS,
     help="Which lines: the paper's, by rho, tau, contrast and softness, or XDoG's, which fade into tone, by p, epsilon "
     "and phi.",
 )
@@ -132,7 +133,7 @@ ALONG_FLOW = (
     Param.enum(
         "kernel",
         "separable",
-        ("separable", "full"),
+        FDOG_KERNELS,
         help="Eqs. 10 and 11 (fast), or eq. 6 sampled point by point.",
     ),
     sampling("bilinear"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from flowabs_nodes.choices import COMPRESSIONS, DATA_TYPES
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
 
@@ -67,13 +68,13 @@ WRITE = Node(
         Param.enum(
             "data_type",
             "auto",
-            ("auto", "half", "float", "uint8", "uint16"),
+            DATA_TYPES,
             help="auto: the plate's, else half; flow layers float. PNG: uint8, or uint16 as the plate. TIFF: uint16.",
         ),
         Param.enum(
             "compression",
             "auto",
-            ("auto", "none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab"),
+            COMPRESSIONS,
             help="Of an EXR. auto: the plate's if it is lossless, else zip.",
         ),
         Param.string(

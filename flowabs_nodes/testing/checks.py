@@ -8,6 +8,7 @@ from functools import partial
 
 import numpy as np
 
+from flowabs_nodes.choices import SPACES
 from flowabs_nodes.engine.call_node import apply, deliver
 from flowabs_nodes.engine.error_boundary import InternalError
 from flowabs_nodes.errors import FlowabsError
@@ -92,7 +93,7 @@ def _content(image: Image, copy: bool = True) -> list[Array]:
     """The pixels, and the code values that all nodes share."""
     held = [image.pixels]
     if image.type == "color":
-        for space in ("lab", "acescct"):
+        for space in SPACES:
             held += [image.encoded(space), image.encoded_mono(space), image.encoded(space, ground=1.0)]
     return [np.array(each) for each in held] if copy else held
 

@@ -13,8 +13,8 @@ import pytest
 
 import flowabs_nodes
 from flowabs_nodes import cli, engine
+from flowabs_nodes.choices import EXISTING, MISSING
 from flowabs_nodes.cli import progress
-from flowabs_nodes.engine.job import EXISTING
 from flowabs_nodes.engine.profile import NodeTime
 from flowabs_nodes.engine.report import (
     FrameReport,
@@ -27,7 +27,6 @@ from flowabs_nodes.engine.report import (
 )
 from flowabs_nodes.errors import CommandError, FlowabsError, ReadError, WriteError
 from flowabs_nodes.graph.problems import GraphError, Problem
-from flowabs_nodes.io.sequences import MISSING
 from flowabs_nodes.io.settings import Settings
 from flowabs_nodes.simd import target
 

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from flowabs_nodes.choices import SAMPLINGS
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import gaussian, validate
 from flowabs_nodes.filters.validate import Array
 from flowabs_nodes.sampling.exact_sums import full
-from flowabs_nodes.sampling.modes import SAMPLINGS
 from flowabs_nodes.sampling.streamline_tiled import BLOCKS, Walks, advance, beyond, new_walks, set_out, turn
 from flowabs_nodes.sampling.tile_cache import (
     COLUMNS,

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from flowabs_nodes.choices import FDOG_KERNELS, SAMPLINGS
 from flowabs_nodes.filters import gaussian, validate
 from flowabs_nodes.filters.flow.flow_blur import along, planes_of
 from flowabs_nodes.filters.lines.dog_line import across
 from flowabs_nodes.filters.validate import Array
 from flowabs_nodes.sampling.exact_sums import full
-from flowabs_nodes.sampling.modes import SAMPLINGS
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.exponential import LOG2_E, exp2
 from flowabs_nodes.simd.jit import kernel
@@ -89,7 +89,7 @@ class Detector:
             weights=gaussian.half(sigma_m),
             taps=gaussian.difference(sigma_c, rho),
             color_weight=validate.number("color_weight", color_weight, min=0, max=1e6),
-            full=validate.choice("kernel", kernel, ("separable", "full")) == "full",
+            full=validate.choice("kernel", kernel, FDOG_KERNELS) == "full",
             sampling=validate.choice("sampling", sampling, SAMPLINGS),
         )
 

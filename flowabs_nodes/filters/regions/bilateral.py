@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from flowabs_nodes.choices import BILATERAL_KERNELS
 from flowabs_nodes.filters import gaussian, validate
 from flowabs_nodes.filters.regions.range_weights import TINY, closeness, falloff
 from flowabs_nodes.filters.validate import Array
@@ -15,8 +16,6 @@ from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import LANES, same_floats, select
 from flowabs_nodes.simd.memory import load, load_triples, store, store_triples
-
-KERNELS = ("full", "xy")
 
 
 def bilateral(
@@ -63,7 +62,11 @@ def bilateral(
     sigma_r = validate.number("sigma_r", sigma_r, above=0)
     iterations = validate.whole("iterations", iterations, min=0)
     radius = gaussian.radius(sigma_d)
-    windows = [(radius, radius)] if validate.choice("kernel", kernel, KERNELS) == "full" else [(radius, 0), (0, radius)]
+    windows = (
+        [(radius, radius)]
+        if validate.choice("kernel", kernel, BILATERAL_KERNELS) == "full"
+        else [(radius, 0), (0, radius)]
+    )
     there = np.ones(codes.shape[:2], np.float32) if alpha is None else validate.plane("alpha", alpha, codes.shape)
 
     height, width, _ = codes.shape

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from flowabs_nodes.choices import SAMPLINGS
 from flowabs_nodes.filters import validate
 from flowabs_nodes.filters.regions.bilateral_line import pass_on_lines
 from flowabs_nodes.filters.regions.range_weights import (
@@ -27,7 +28,6 @@ from flowabs_nodes.filters.regions.range_weights import (
 from flowabs_nodes.filters.validate import Array
 from flowabs_nodes.sampling.chain_code import follow, written_walks
 from flowabs_nodes.sampling.coords import Frame, frame_of, padded
-from flowabs_nodes.sampling.modes import SAMPLINGS
 from flowabs_nodes.sampling.samples import expect, find, new_points, read, row_below
 from flowabs_nodes.sampling.streamline import ALL, advance, column, expect_tangents, new_walks, set_out, turn
 from flowabs_nodes.simd.bands import over_rows
