@@ -6,6 +6,7 @@ Each draws in one of two forms: the paper's eqs. 8 and 9, or XDoG's.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -111,7 +112,7 @@ XDOG = (
     ),
 )
 
-#: What FDoG has beside the two above.
+#: What FDoG takes beside the parameters above.
 ALONG_FLOW = (
     Param.float(
         "color_weight",
@@ -153,7 +154,10 @@ SIGMA_M = Param.float(
 
 
 def code_values(image: Image, space: str, ground: float, color_weight: float) -> Array:
-    """Lightness alone, or with two colour-difference channels beside it where those count."""
+    """Return the code values that FDoG sees: (H, W), lightness; (H, W, 3) with two channels of colour where they count.
+
+    The channels of colour are a* and b* (lab), or red and blue less lightness (acescct).
+    """
     if color_weight == 0:
         return image.encoded_mono(space, ground=ground)
     codes = image.encoded(space, ground=ground)
@@ -164,7 +168,7 @@ def code_values(image: Image, space: str, ground: float, color_weight: float) ->
 
 
 def draw(
-    respond: Callable[[float], Array],
+    respond: Callable[..., Array],
     *,
     form: str,
     rho: float,
@@ -174,27 +178,28 @@ def draw(
     p: float,
     epsilon: float,
     phi: float,
+    **response_params: Any,
 ) -> tuple[Array, Array]:
-    """Lines and response in either form; ``respond`` gives H for a rho."""
+    """Return lines and response in either form; ``respond`` makes H from a rho and all parameters not named here."""
     if form == "xdog":
-        return filters.xdog(respond(filters.xdog_rho(p)), p=p, epsilon=epsilon, phi=phi)
-    response = respond(rho)
+        return filters.xdog(respond(rho=filters.xdog_rho(p), **response_params), p=p, epsilon=epsilon, phi=phi)
+    response = respond(rho=rho, **response_params)
     return filters.threshold(response, tau=tau, contrast=contrast, softness=softness), response
 
 
 def outputs(image: Image, lines: Array, response: Array) -> dict[str, Image]:
+    """Return both outputs as images, with the picture's windows and metadata."""
     return {"lines": image.with_pixels(lines, "matte"), "response": image.with_pixels(response, "mono")}
 
 
 def smoothed(lines: Array, flow: Image, sigma: float, sampling: str) -> Array:
+    """Return the lines, blurred along the flow unless ``sigma`` (pixels) is 0."""
     return lines if sigma == 0 else filters.flow_blur(lines, flow.pixels, sigma=sigma, sampling=sampling)
 
 
-def run_dog(
-    context: Context, image: Image, *, sigma_c: float, ground: float, space: str, **form: Any
-) -> dict[str, Image]:
+def run_dog(context: Context, image: Image, *, ground: float, space: str, **dog: Any) -> dict[str, Image]:
     code = image.encoded_mono(space, ground=ground)
-    return outputs(image, *draw(lambda rho: filters.dog(code, sigma_c=sigma_c, rho=rho), **form))
+    return outputs(image, *draw(partial(filters.dog, code), **dog))
 
 
 DOG = Node(
@@ -214,24 +219,16 @@ def run_fdog(
     image: Image,
     flow: Image,
     *,
-    sigma_m: float,
-    sigma_c: float,
     color_weight: float,
     smooth: float,
-    kernel: str,
-    sampling: str,
     ground: float,
     space: str,
-    **form: Any,
+    **fdog: Any,
 ) -> dict[str, Image]:
-    color_weight = 0.0 if form["form"] == "xdog" else color_weight
+    color_weight = 0.0 if fdog["form"] == "xdog" else color_weight
     code = code_values(image, space, ground, color_weight)
-
-    def respond(rho: float) -> Array:
-        return filters.fdog(code, flow.pixels, sigma_m, sigma_c, rho, color_weight, kernel, sampling)
-
-    lines, response = draw(respond, **form)
-    return outputs(image, smoothed(lines, flow, smooth, sampling), response)
+    lines, response = draw(partial(filters.fdog, code, flow.pixels, color_weight=color_weight), **fdog)
+    return outputs(image, smoothed(lines, flow, smooth, fdog["sampling"]), response)
 
 
 FDOG = Node(

@@ -6,8 +6,8 @@ import pytest
 
 from flowabs_nodes import nodes
 from flowabs_nodes.nodes import registry
-from flowabs_nodes.nodes.builtin import NODES
 
+NODES = registry.builtin()
 PLUGIN = """
 from flowabs_nodes.nodes.declare import Node, Param, Port
 
