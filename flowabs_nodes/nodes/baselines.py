@@ -1,4 +1,4 @@
-"""What the paper compares itself with: bilateral filters, mean shift and Canny's edges, to make its figures with."""
+"""Nodes that the paper compares its own with: bilateral filters, mean shift and Canny's edges."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Parameters that several nodes have in common, declared once."""
+"""Declares the parameters that several nodes have in common."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ GROUND = Param.float(
 
 
 def sampling(default: str) -> Param:
-    """How the image is read along the curve."""
+    """Return the parameter that says how pixels are read along the flow; its default is the node's own."""
     return Param.enum(
         "sampling",
         default,

@@ -13,7 +13,7 @@ from flowabs_nodes.nodes.declare import Context, Node, Param, Port
 
 
 def _reference_problem(value: Any) -> str | None:
-    """What is wrong with a gradient reference: it is "max", "p" and a percentile, or a number."""
+    """Return what a gradient reference has to be if ``value`` is none; None if it is."""
     expected = '"max", a percentile such as "p99.5", or a finite number of at least 0 (code values/px)'
     if isinstance(value, str):
         if value == "max":

@@ -37,7 +37,7 @@ def run_write(
     metadata: dict[str, str | float],
     **layers: Image,
 ) -> dict[str, Any]:
-    """The picture, ready to save; where it goes (``file``) is the engine's business."""
+    """Return the picture, ready to save, as ``picture``; the engine saves it to ``file``."""
     from flowabs_nodes.io.output_image import build_picture
 
     picture = build_picture(
