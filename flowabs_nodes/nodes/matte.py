@@ -13,7 +13,7 @@ LUMINANCE = "luminance"
 
 
 def _channel(context: Context, image: Image, name: str) -> Array:
-    """Return the channel ``name``, (H, W); "" is the alpha, else the luminance of a color image, else the first channel.
+    """Return the channel ``name``, (H, W); "" is the alpha, else the luminance of a color image, else the first one.
 
     Raises ArgumentError, with the nearest name, if the image has no such channel.
     """
