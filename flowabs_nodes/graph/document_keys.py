@@ -49,7 +49,7 @@ KNOB: Mapping[str, Kind] = {
 }
 
 
-def fields(
+def read_fields(
     value: Any, place: Place, shape: Mapping[str, Kind], problems: Problems, required: tuple[str, ...] = ()
 ) -> dict[str, Any]:
     """Return the entries of an object that fit its ``shape``, by key.
@@ -77,7 +77,7 @@ def fields(
     return result
 
 
-def named(value: dict[str, Any], place: Place, what: str, problems: Problems) -> dict[str, Any]:
+def read_named(value: dict[str, Any], place: Place, what: str, problems: Problems) -> dict[str, Any]:
     """Return the entries of an object whose keys are names of ``what``.
 
     A bad name is a problem. Its entry stays, so that links to it are not wrong too, unless the name is too long.

@@ -10,7 +10,7 @@ from flowabs_nodes.graph.problems import GraphError, Problem, Problems
 from flowabs_nodes.graph.safe_json import parse
 
 
-def plain(value: Any, problems: Problems) -> Any:
+def jsonable(value: Any, problems: Problems) -> Any:
     """Return a copy of ``value`` as JSON would read it back: tuples as lists, numpy numbers and paths as Python's.
 
     Numbers that are not finite are problems at their place. Raises GraphError for what JSON cannot hold at all.

@@ -28,13 +28,13 @@ DRIVES: Mapping[str, tuple[KnobType, ...]] = {
 def read_knobs(interface: dict[str, Any], problems: Problems) -> dict[str, Knob | None]:
     """Return every knob by name; None for one that is wrong, about which nothing more is to be said."""
     place = ("interface",)
-    entries = document_keys.named(interface, place, "a knob's name", problems)
+    entries = document_keys.read_named(interface, place, "a knob's name", problems)
     return {name: _read_knob(name, raw, (*place, name), problems) for name, raw in entries.items()}
 
 
 def _read_knob(name: str, raw: Any, place: Place, problems: Problems) -> Knob | None:
     before = problems.errors
-    knob = document_keys.fields(raw, place, document_keys.KNOB, problems, required=("type", "default"))
+    knob = document_keys.read_fields(raw, place, document_keys.KNOB, problems, required=("type", "default"))
     kind = knob.get("type")
     if kind is not None and kind not in KNOB_TYPES:
         expected = f"one of {', '.join(KNOB_TYPES)}"

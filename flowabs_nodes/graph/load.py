@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from flowabs_nodes.errors import CommandError
-from flowabs_nodes.graph.jsonable import plain
+from flowabs_nodes.graph.jsonable import jsonable
 from flowabs_nodes.graph.model import Graph
 from flowabs_nodes.graph.problems import GraphError, Problem, Problems
 from flowabs_nodes.graph.safe_json import MOST_BYTES, parse
@@ -52,7 +52,7 @@ def _read(source: Source, catalogue: Mapping[str, Node] | None) -> tuple[Graph |
     file = ""
     try:
         if isinstance(source, Mapping):
-            document = plain(source, problems)
+            document = jsonable(source, problems)
         elif isinstance(source, bytes):
             document = parse(source, problems)
         else:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from flowabs_nodes.graph.jsonable import plain
+from flowabs_nodes.graph.jsonable import jsonable
 from flowabs_nodes.graph.model import Graph
 from flowabs_nodes.graph.problems import GraphError, Place, Problem, Problems, pointer, show
 from flowabs_nodes.graph.safe_json import parse
@@ -40,7 +40,7 @@ def override(graph: Graph, values: Mapping[str, Any]) -> Graph:
             continue
         problems = Problems()
         try:
-            data = plain(value, problems)
+            data = jsonable(value, problems)
         except GraphError as error:
             problems.found.extend(error.problems)
         if problems.found:

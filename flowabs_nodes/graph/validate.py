@@ -30,7 +30,7 @@ def validate(document: Any, catalogue: Mapping[str, Node], problems: Problems, s
     upgraded = upgrade_format(document, problems, notes)
     if upgraded is None:
         return None
-    top = document_keys.fields(upgraded, (), document_keys.GRAPH, problems, required=("nodes",))
+    top = document_keys.read_fields(upgraded, (), document_keys.GRAPH, problems, required=("nodes",))
     height = top.get("reference_height")
     if height is not None and height <= 0:
         problems.add("out-of-range", ("reference_height",), show(height), "a height in pixels above 0")
@@ -66,8 +66,8 @@ def _read_nodes(
     place: Place = ("nodes",)
     bodies: dict[str, dict[str, Any]] = {}
     declarations: dict[str, Node | None] = {}
-    for name, raw in document_keys.named(raw_nodes, place, "a node's name", problems).items():
-        body = document_keys.fields(raw, (*place, name), document_keys.NODE, problems, required=("type",))
+    for name, raw in document_keys.read_named(raw_nodes, place, "a node's name", problems).items():
+        body = document_keys.read_fields(raw, (*place, name), document_keys.NODE, problems, required=("type",))
         written = body.get("type")
         declarations[name] = (
             upgrade_node(body, (*place, name), catalogue, problems, notes) if written is not None else None
