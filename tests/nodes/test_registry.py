@@ -52,6 +52,7 @@ def installed(tmp_path, monkeypatch):
 def test_the_nodes_of_the_package_come_first_and_in_their_order():
     assert list(nodes.catalogue().values())[: len(NODES)] == list(NODES)
     assert all(type == node.type for type, node in nodes.catalogue().items())
+    assert tuple(node.type for node in NODES if node.type in registry.READING_ORDER) == registry.READING_ORDER
     assert [fault for node in NODES for fault in registry.faults(node)] == []
 
 
