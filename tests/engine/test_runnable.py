@@ -203,7 +203,7 @@ def test_code_values_that_nobody_else_wants_are_held_by_the_filter_alone(monkeyp
 
     from flowabs_nodes import filters
 
-    def fbl(codes, flow, *others):
+    def fbl(codes, flow, **others):
         held, result = weakref.ref(codes.base), codes.copy()
         del codes
         assert held() is None
