@@ -12,7 +12,7 @@ from pathlib import Path
 
 from flowabs_nodes.graph.schema import schema
 from flowabs_nodes.nodes import describe
-from flowabs_nodes.nodes.builtin import NODES
+from flowabs_nodes.nodes.registry import builtin
 
 INTRODUCTION = """\
 # Node reference
@@ -24,11 +24,12 @@ that is installed. What the numbers mean, and what all nodes share, is in [the n
 
 
 def files() -> dict[str, str]:
-    """The content of each file, by name."""
-    catalogue = {node.type: node for node in NODES}
+    """Return the content of each file, by name."""
+    nodes = builtin()
+    graph_schema = schema({node.type: node for node in nodes})
     return {
-        "nodes.md": INTRODUCTION + describe.reference(NODES) + "\n",
-        "graph.schema.json": json.dumps(schema(catalogue), indent=2, ensure_ascii=False) + "\n",
+        "nodes.md": INTRODUCTION + describe.reference(nodes) + "\n",
+        "graph.schema.json": json.dumps(graph_schema, indent=2, ensure_ascii=False) + "\n",
     }
 
 

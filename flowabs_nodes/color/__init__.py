@@ -8,6 +8,8 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from flowabs_nodes.choices import SPACES
+
 if TYPE_CHECKING:
     from flowabs_nodes.color import ocio
     from flowabs_nodes.color.chromaticities import chromaticities_of, space_from_chromaticities
@@ -16,9 +18,6 @@ if TYPE_CHECKING:
     from flowabs_nodes.color.lightness import lstar, lstar_inverse, luminance
     from flowabs_nodes.color.lookup import space
     from flowabs_nodes.color.spaces import ColorSpace
-
-#: The encodings of code values.
-SPACES = ("lab", "acescct")
 
 _HOMES = {
     "ColorSpace": "spaces",

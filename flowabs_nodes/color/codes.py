@@ -14,7 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from flowabs_nodes.array_types import Array
-from flowabs_nodes.color import SPACES, acescct, lab
+from flowabs_nodes.choices import SPACES
+from flowabs_nodes.color import acescct, lab
 from flowabs_nodes.color.lookup import space as find_space
 from flowabs_nodes.color.spaces import KNOWN, ColorSpace, normalised, to_ap1
 from flowabs_nodes.errors import ArgumentError, nearest

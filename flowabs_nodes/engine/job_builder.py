@@ -13,6 +13,7 @@ from flowabs_nodes.engine.plan import file_role, make_plan, sinks
 from flowabs_nodes.engine.sources import file_of
 from flowabs_nodes.errors import CommandError, ReadError, WriteError
 from flowabs_nodes.graph.model import Graph
+from flowabs_nodes.graph.overrides import override
 from flowabs_nodes.io import formats
 from flowabs_nodes.io.frame_lock import check_writable
 from flowabs_nodes.io.sequences import Sequence, parse_frames
@@ -69,7 +70,7 @@ def _set_files(graph: Graph, options: RunOptions) -> tuple[Graph, tuple[str, ...
     outputs = _as_list(options.output)
     if outputs:
         files[f"{_only(graph, 'write', '-o')}.file"] = outputs[0]
-    return (graph.with_set(files) if files else graph), tuple(outputs[1:])
+    return (override(graph, files) if files else graph), tuple(outputs[1:])
 
 
 def _as_list(output: PathLike | Iterable[PathLike] | None) -> list[str]:

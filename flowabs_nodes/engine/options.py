@@ -11,15 +11,13 @@ import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import Field, dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any, Literal, TypeVar
+from typing import Any, TypeVar
 
+from flowabs_nodes.choices import EXISTING, MISSING
 from flowabs_nodes.errors import ArgumentError, CommandError, nearest
-from flowabs_nodes.io.sequences import MISSING
 from flowabs_nodes.io.settings import Settings
 
 PathLike = str | os.PathLike[str]
-Existing = Literal["resume", "overwrite", "error"]
-EXISTING: tuple[Existing, ...] = ("resume", "overwrite", "error")
 
 _DECLARED = "flag"
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -131,7 +129,7 @@ class RunOptions:
             repeats=True,
         ),
     )
-    existing: Existing = field(
+    existing: str = field(
         default="resume",
         metadata=_flag(
             "About files that are there: resume keeps what is whole and was made from the same.",

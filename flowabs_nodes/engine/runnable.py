@@ -103,7 +103,7 @@ class RunnableGraph(Graph):
         GraphError
             With every wrong name and value in ``problems``.
         """
-        return _runnable(super().with_set(values))
+        return _runnable(graphs.override(self, values))
 
 
 def load_graph(source: GraphSource) -> RunnableGraph:

@@ -1,8 +1,8 @@
-"""The graph file: parsing, validation, schema, upgrade. A :class:`Graph` is valid; nothing here runs it."""
+"""Reads the graph file: parsing, validation, schema, upgrade. A :class:`Graph` is valid; nothing here runs it."""
 
 from flowabs_nodes.graph.load import check, load
 from flowabs_nodes.graph.model import Graph, GraphNode, Knob, Link
-from flowabs_nodes.graph.overrides import parse_setting
+from flowabs_nodes.graph.overrides import override, parse_setting
 from flowabs_nodes.graph.problems import GraphError, Problem
 from flowabs_nodes.graph.schema import schema
 from flowabs_nodes.graph.shipped import shipped
@@ -21,6 +21,7 @@ __all__ = [
     "Value",
     "check",
     "load",
+    "override",
     "parse_setting",
     "schema",
     "shipped",

@@ -1,4 +1,4 @@
-"""The document's own shape: which keys an object may have, and what kind of value each takes."""
+"""Which keys each object of a graph file may have, and what kind of value each key takes."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from flowabs_nodes.graph.model import NAME, NAME_RULE
+from flowabs_nodes.graph.format import LONGEST_NAME, NAME, NAME_RULE
 from flowabs_nodes.graph.problems import Place, Problems, show
 
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of JSON value; ``schema`` says the same in JSON Schema."""
+    """Tells one kind of JSON value from the others: in words, as a test, and in JSON Schema."""
 
     words: str
     fits: Callable[[Any], bool]
@@ -49,10 +49,14 @@ KNOB: Mapping[str, Kind] = {
 }
 
 
-def fields(
+def read_fields(
     value: Any, place: Place, shape: Mapping[str, Kind], problems: Problems, required: tuple[str, ...] = ()
 ) -> dict[str, Any]:
-    """What of an object fits its shape. All else about it is a problem, and a value of the wrong kind is left out."""
+    """Return the entries of an object that fit its ``shape``, by key.
+
+    An unknown key, a value of the wrong kind (which is left out) and a ``required`` key that is missing are problems.
+    An unknown key that is close to one that is not there is one mistake: the other is not reported as missing.
+    """
     if not isinstance(value, dict):
         problems.add("wrong-type", place, show(value), f"an object with {', '.join(shape)}")
         return {}
@@ -73,9 +77,12 @@ def fields(
     return result
 
 
-def named(value: dict[str, Any], place: Place, what: str, problems: Problems) -> dict[str, Any]:
-    """The entries of an object whose keys are names. A bad name is a problem; one that is too long goes."""
+def read_named(value: dict[str, Any], place: Place, what: str, problems: Problems) -> dict[str, Any]:
+    """Return the entries of an object whose keys are names of ``what``.
+
+    A bad name is a problem. Its entry stays, so that links to it are not wrong too, unless the name is too long.
+    """
     for name in value:
         if not NAME.fullmatch(name):
             problems.add("bad-value", (*place, name), f"the name {show(name)}", f"{what}: {NAME_RULE}")
-    return {name: item for name, item in value.items() if len(name) <= 128}
+    return {name: item for name, item in value.items() if len(name) <= LONGEST_NAME}

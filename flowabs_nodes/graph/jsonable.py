@@ -1,4 +1,4 @@
-"""Turns what Python code hands over into the plain data a graph file would hold, under the same limits."""
+"""Turns what Python code hands over into the plain data that a graph file would hold, under the same limits."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from flowabs_nodes.graph.problems import GraphError, Problem, Problems
 from flowabs_nodes.graph.safe_json import parse
 
 
-def plain(value: Any, problems: Problems) -> Any:
-    """A copy of ``value`` as JSON would read it back: tuples become lists, numpy numbers and paths become Python's.
+def jsonable(value: Any, problems: Problems) -> Any:
+    """Return a copy of ``value`` as JSON would read it back: tuples as lists, numpy numbers and paths as Python's.
 
     Numbers that are not finite are problems at their place. Raises GraphError for what JSON cannot hold at all.
     """

@@ -1,4 +1,4 @@
-"""Knobs: reading them from a graph's ``interface``, and whether one may drive a parameter."""
+"""Reads the knobs of a graph's ``interface``, and says whether one may drive a parameter."""
 
 from __future__ import annotations
 
@@ -7,11 +7,12 @@ from dataclasses import replace
 from typing import Any
 
 from flowabs_nodes.graph import document_keys
-from flowabs_nodes.graph.model import KNOB_TYPES, Knob, KnobType
+from flowabs_nodes.graph.format import KNOB_TYPES, KnobType
+from flowabs_nodes.graph.model import Knob
 from flowabs_nodes.graph.problems import Place, Problems, show
 from flowabs_nodes.nodes.declare import Param
 
-#: Which knobs a parameter takes as they are. What a ``custom`` parameter takes depends on the value.
+#: The types of knobs that a parameter of each kind takes as they are. Of a ``custom`` parameter the value decides.
 DRIVES: Mapping[str, tuple[KnobType, ...]] = {
     "float": ("float", "int"),
     "int": ("int",),
@@ -25,15 +26,15 @@ DRIVES: Mapping[str, tuple[KnobType, ...]] = {
 
 
 def read_knobs(interface: dict[str, Any], problems: Problems) -> dict[str, Knob | None]:
-    """Every knob by name; None for one that is not right, of which nothing more is said."""
+    """Return every knob by name; None for one that is wrong, about which nothing more is to be said."""
     place = ("interface",)
-    entries = document_keys.named(interface, place, "a knob's name", problems)
+    entries = document_keys.read_named(interface, place, "a knob's name", problems)
     return {name: _read_knob(name, raw, (*place, name), problems) for name, raw in entries.items()}
 
 
 def _read_knob(name: str, raw: Any, place: Place, problems: Problems) -> Knob | None:
     before = problems.errors
-    knob = document_keys.fields(raw, place, document_keys.KNOB, problems, required=("type", "default"))
+    knob = document_keys.read_fields(raw, place, document_keys.KNOB, problems, required=("type", "default"))
     kind = knob.get("type")
     if kind is not None and kind not in KNOB_TYPES:
         expected = f"one of {', '.join(KNOB_TYPES)}"
@@ -68,7 +69,7 @@ def _check_choices(choices: list[Any] | None, place: Place, problems: Problems) 
 
 
 def _check_range(knob: Knob, place: Place, problems: Problems) -> None:
-    """The ends of the range against the knob's type and each other, then the default against the range."""
+    """Check the ends of the range against the knob's type and each other, then the default against the range."""
     free = replace(knob, min=None, max=None).param
     before = problems.errors
     for key in ("min", "max"):
@@ -85,9 +86,10 @@ def _check_range(knob: Knob, place: Place, problems: Problems) -> None:
 
 
 def check_drives(knob: Knob, param: Param, owner: str, place: Place, problems: Problems) -> None:
-    """Whether a knob may drive a parameter as it is; what is wrong with its values is pointed at where they stand.
+    """Check that a knob may drive a parameter as it is: its type fits, and so does every value it can take.
 
-    ``place`` is that of the parameter, ``owner`` its name in messages (``lines.sigma_c``).
+    ``place`` is the place of the parameter, ``owner`` its name in messages (``lines.sigma_c``). A value of the knob
+    that does not fit is pointed at where the knob is declared.
     """
     if knob.type not in DRIVES[param.kind]:
         hint = "a map makes a whole number of it" if (param.kind, knob.type) == ("int", "float") else ""

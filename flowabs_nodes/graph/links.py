@@ -1,4 +1,4 @@
-"""The links of a graph: where each input comes from, whether the ports fit, cycles, and what nothing needs."""
+"""Checks the links of a graph: where each input comes from, whether the ports fit, cycles, and unused nodes."""
 
 from __future__ import annotations
 
@@ -6,11 +6,12 @@ from collections.abc import Mapping
 from typing import Any
 
 from flowabs_nodes.graph import order
-from flowabs_nodes.graph.model import NAME, NAME_RULE, Link
+from flowabs_nodes.graph.format import NAME, NAME_RULE
+from flowabs_nodes.graph.model import Link
 from flowabs_nodes.graph.problems import Place, Problems, show
 from flowabs_nodes.nodes.declare import Node, Port
 
-#: Of each node its declaration, or None where its type is not known (and nothing more is said about it).
+#: Each node's declaration, by the node's name; None where its type is not known (nothing more is said about it).
 Declarations = Mapping[str, Node | None]
 Links = Mapping[str, Mapping[str, Link]]
 
@@ -18,7 +19,7 @@ Links = Mapping[str, Mapping[str, Link]]
 def read_links(
     name: str, raw: dict[str, Any], declarations: Declarations, place: Place, problems: Problems
 ) -> dict[str, Link]:
-    """The links of one node by input, those that lead somewhere; what is wrong with the others is noted."""
+    """Return the links of one node that lead somewhere, by input; what is wrong with the others becomes a problem."""
     declaration = declarations[name]
     ports = list(raw) if declaration is None else _known_inputs(declaration, raw, place, problems)
     links = {port: _read_link(raw[port], declarations, (*place, port), problems) for port in ports}
@@ -26,7 +27,10 @@ def read_links(
 
 
 def _known_inputs(declaration: Node, raw: dict[str, Any], place: Place, problems: Problems) -> list[str]:
-    """The inputs that the node has. A wrong name stands for the open input it is closest to: one mistake."""
+    """Return the keys of ``raw`` that are inputs of the node.
+
+    A wrong name stands for the input it is closest to, which is then not reported as missing: one mistake.
+    """
     known = []
     open_ports = [port for port in declaration.all_inputs if port not in raw]
     for port in raw:
@@ -50,7 +54,7 @@ def _known_inputs(declaration: Node, raw: dict[str, Any], place: Place, problems
 
 
 def taken_names(declaration: Node) -> list[str]:
-    """Names that an extra input cannot have: the node's function gets everything by name."""
+    """Return the names that an extra input cannot have, because the node's function gets other things by them."""
     return ["context", *declaration.all_params]
 
 
@@ -78,7 +82,7 @@ def _read_link(raw: Any, declarations: Declarations, place: Place, problems: Pro
 
 
 def check_links(declarations: Declarations, links: Links, problems: Problems) -> list[str]:
-    """Find cycles and ports that do not fit; the names of the nodes, each after those it needs."""
+    """Find cycles and ports that do not fit. Return the names of the nodes, each after the nodes it needs."""
     needs = {name: [link.node for link in links.get(name, {}).values()] for name in declarations}
     names: list[str] = []
     for component in order.components(needs):
@@ -98,7 +102,7 @@ def _add_cycle(cycle: list[str], links: Links, problems: Problems) -> None:
 
 
 def _check_types(names: list[str], declarations: Declarations, links: Links, problems: Problems) -> None:
-    """Follow the port types through the graph. Where one is not known, because of another mistake, nothing is said."""
+    """Follow the port types through the graph. A type that another mistake hides makes no problem."""
     gives: dict[Link, str | None] = {}
     for name in names:
         declaration = declarations[name]
@@ -123,7 +127,7 @@ def _check_types(names: list[str], declarations: Declarations, links: Links, pro
 
 
 def add_unused(names: list[str], declarations: Declarations, links: Links, problems: Problems) -> None:
-    """Warn of each node that no file written needs, when the graph writes any."""
+    """Warn of each node that no ``write`` needs, in a graph that has one."""
     writes = [
         name for name, node in declarations.items() if node and node.file_param and node.file_param.role == "output"
     ]
@@ -138,5 +142,5 @@ def add_unused(names: list[str], declarations: Declarations, links: Links, probl
 
 
 def types_in_words(port: Port) -> str:
-    """What a port takes: "color", "color or mono"."""
+    """Say what a port takes: "color", "color or mono"."""
     return "any image" if port.types == "any" else port.types.replace("|", " or ")

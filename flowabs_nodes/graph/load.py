@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from flowabs_nodes.errors import CommandError
-from flowabs_nodes.graph.jsonable import plain
+from flowabs_nodes.graph.jsonable import jsonable
 from flowabs_nodes.graph.model import Graph
 from flowabs_nodes.graph.problems import GraphError, Problem, Problems
 from flowabs_nodes.graph.safe_json import MOST_BYTES, parse
@@ -20,7 +20,7 @@ Source = str | Path | bytes | Mapping[str, Any]
 
 
 def load(source: Source, catalogue: Mapping[str, Node] | None = None) -> Graph:
-    """A valid graph.
+    """Read and validate a graph.
 
     Parameters
     ----------
@@ -32,9 +32,9 @@ def load(source: Source, catalogue: Mapping[str, Node] | None = None) -> Graph:
     Raises
     ------
     GraphError
-        With everything that is wrong with it.
+        If the graph is not valid; ``problems`` holds everything that is wrong with it.
     CommandError
-        The file cannot be read, or there is no such graph.
+        If the file cannot be read, or there is no such graph.
     """
     graph, problems, file = _read(source, catalogue)
     if graph is None:
@@ -43,7 +43,7 @@ def load(source: Source, catalogue: Mapping[str, Node] | None = None) -> Graph:
 
 
 def check(source: Source, catalogue: Mapping[str, Node] | None = None) -> list[Problem]:
-    """Everything that is wrong with a graph, warnings included: :func:`load` that does not raise GraphError."""
+    """Return everything that is wrong with a graph, warnings included, where :func:`load` would raise GraphError."""
     return _read(source, catalogue)[1]
 
 
@@ -52,7 +52,7 @@ def _read(source: Source, catalogue: Mapping[str, Node] | None) -> tuple[Graph |
     file = ""
     try:
         if isinstance(source, Mapping):
-            document = plain(source, problems)
+            document = jsonable(source, problems)
         elif isinstance(source, bytes):
             document = parse(source, problems)
         else:
@@ -66,7 +66,7 @@ def _read(source: Source, catalogue: Mapping[str, Node] | None) -> tuple[Graph |
 
 
 def _bytes(path: Path) -> bytes:
-    """What the file holds, or one byte more than may be read of it."""
+    """Read the file, at most one byte more than a graph may have."""
     try:
         with path.open("rb") as file:
             return file.read(MOST_BYTES + 1)

@@ -2,31 +2,19 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any
 
+from flowabs_nodes.graph.format import KnobType
 from flowabs_nodes.graph.problems import Problem
 from flowabs_nodes.graph.values import Value
 from flowabs_nodes.nodes.declare import Node, Param
 
-#: The format this version writes: its number grows when an older flowabs could not read the file.
-FORMAT_NAME = "flowabs.graph"
-FORMAT_VERSION = 1
-FORMAT = f"{FORMAT_NAME}/{FORMAT_VERSION}"
-
-#: Names of nodes, knobs and layers.
-NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,127}")
-NAME_RULE = "letters, digits and _, not starting with a digit, at most 128"
-
-KnobType = Literal["float", "int", "bool", "enum", "string", "color"]
-KNOB_TYPES: tuple[KnobType, ...] = ("float", "int", "bool", "enum", "string", "color")
-
 
 @dataclass(frozen=True)
 class Link:
-    """Where an input comes from."""
+    """Names the output that an input takes its images from."""
 
     node: str
     output: str
@@ -37,7 +25,11 @@ class Link:
 
 @dataclass(frozen=True)
 class Knob:
-    """What a graph offers an artist. ``min`` and ``max`` are for numbers, ``choices`` for an enum."""
+    """Describes one control that a graph offers an artist.
+
+    ``min`` and ``max`` are for numbers, ``choices`` for an enum. ``default`` is the value that the knob stands at;
+    setting the knob makes a graph with another default.
+    """
 
     name: str
     type: KnobType
@@ -50,15 +42,22 @@ class Knob:
 
     @property
     def param(self) -> Param:
-        """The knob as a parameter: what its values have to be."""
+        """Return the knob as a parameter, whose :meth:`~Param.problem` judges the knob's values."""
         return Param(
-            self.name, self.type, self.default, self.help, self.min, self.max, unit=self.unit, choices=self.choices
+            name=self.name,
+            kind=self.type,
+            default=self.default,
+            help=self.help,
+            min=self.min,
+            max=self.max,
+            unit=self.unit,
+            choices=self.choices,
         )
 
 
 @dataclass(frozen=True)
 class GraphNode:
-    """A node of a graph: its declaration, what its inputs are linked to, and the parameters the graph sets."""
+    """Holds a node of a graph: its declaration, what its inputs are linked to, and the parameters the graph sets."""
 
     name: str
     declaration: Node
@@ -68,22 +67,22 @@ class GraphNode:
 
 @dataclass(frozen=True)
 class Graph:
-    """A valid graph.
+    """Holds a valid graph, which nothing changes; :func:`~flowabs_nodes.graph.override` makes one with other values.
 
     Attributes
     ----------
     reference_height
-        Display height that the graph's pixel lengths are meant for; None where they are meant as written.
+        Display height in pixels that the graph's pixel lengths are meant for; None where they are meant as written.
     nodes
-        In an order in which each comes after those it needs.
+        The nodes by name, each after the nodes whose results it needs.
     document
         The file as plain data (JSON), older versions brought up to date.
     source
-        Where it came from: a path, or "" for a graph made in memory.
+        The path of the file, or "" for a graph made in memory.
     notes
-        What was done to bring it up to date.
+        Sentences that say what was done to bring the document up to date.
     warnings
-        Problems that do not keep it from running.
+        Problems that do not keep the graph from running.
     """
 
     name: str
@@ -98,7 +97,7 @@ class Graph:
     warnings: tuple[Problem, ...] = ()
 
     def values(self, frame: int) -> dict[str, dict[str, Any]]:
-        """Every parameter of every node at a frame, as the node's function takes it (lengths not scaled).
+        """Return every parameter of every node at a frame, as the node's function takes it (lengths not scaled).
 
         Defaults are filled in, knobs stand at their default, curves are read at ``frame``. A file that is not set is
         left out.
@@ -111,13 +110,3 @@ class Graph:
             values.update({param: value.at(frame, knobs) for param, value in node.params.items()})
             result[name] = {param: declared[param].check(value) for param, value in values.items()}
         return result
-
-    def with_set(self, values: Mapping[str, Any]) -> Graph:
-        """The same graph with other values: ``{"knob": value, "node.parameter": value}``, as on the command line.
-
-        A knob's value becomes its default; a parameter takes whatever the graph file may say there. Raises GraphError
-        with everything that is wrong, each at ``--set name``.
-        """
-        from flowabs_nodes.graph.overrides import override  # it validates, which needs this module
-
-        return override(self, values)

@@ -1,4 +1,4 @@
-"""The order in which nodes can run, and the cycles that leave none (Tarjan 1972, without recursion)."""
+"""Finds the order in which nodes can run, and the cycles that leave none (Tarjan 1972, without recursion)."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping, Sequence
 
 
 def components(needs: Mapping[str, Sequence[str]]) -> Iterator[list[str]]:
-    """The strongly connected sets of nodes, each after those it needs.
+    """Yield the strongly connected components of a graph, each after those it needs.
 
-    ``needs`` has, for every node, the nodes it takes its inputs from. A set of one is a node by itself (it may still
-    need itself); in any larger set, each node needs all others.
+    ``needs`` has, for every node, the nodes it takes its inputs from. A component of one is a node by itself (it may
+    still need itself); in any larger one, each node needs all others.
     """
     found: dict[str, int] = {}
     lowest: dict[str, int] = {}
@@ -47,7 +47,7 @@ def components(needs: Mapping[str, Sequence[str]]) -> Iterator[list[str]]:
 
 
 def cycle(component: Sequence[str], needs: Mapping[str, Sequence[str]]) -> list[str]:
-    """One cycle within a component, in the direction pictures travel, first node repeated; [] if there is none."""
+    """Return one cycle within a component, in the direction images travel, its first node repeated; [] if none."""
     inside = set(component)
     node, path = component[0], [component[0]]
     seen = {node: 0}

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from flowabs_nodes.graph.jsonable import plain
+from flowabs_nodes.graph.jsonable import jsonable
 from flowabs_nodes.graph.model import Graph
 from flowabs_nodes.graph.problems import GraphError, Place, Problem, Problems, pointer, show
 from flowabs_nodes.graph.safe_json import parse
@@ -15,7 +15,7 @@ from flowabs_nodes.graph.validate import validate
 
 
 def parse_setting(text: str) -> Any:
-    """A value from the command line: JSON if it parses (finite, no key twice), else the text itself."""
+    """Return the value that a text of the command line means: JSON if it parses (finite, no key twice), else itself."""
     problems = Problems()
     try:
         value = parse(text.encode("utf-8", "surrogateescape"), problems)
@@ -25,7 +25,11 @@ def parse_setting(text: str) -> Any:
 
 
 def override(graph: Graph, values: Mapping[str, Any]) -> Graph:
-    """The graph with these values set. GraphError, at places like ``--set lines.rho``, if they are wrong."""
+    """Return the graph with other values: ``{"knob": value, "node.parameter": value}``, as on the command line.
+
+    A knob's value becomes its default; a parameter takes whatever the graph file may say there. Raises GraphError with
+    everything that is wrong, each problem at a place like ``--set lines.rho``.
+    """
     document = copy.deepcopy(graph.document)
     wrong: list[Problem] = []
     places: dict[str, str] = {}
@@ -36,7 +40,7 @@ def override(graph: Graph, values: Mapping[str, Any]) -> Graph:
             continue
         problems = Problems()
         try:
-            data = plain(value, problems)
+            data = jsonable(value, problems)
         except GraphError as error:
             problems.found.extend(error.problems)
         if problems.found:
@@ -59,7 +63,7 @@ def override(graph: Graph, values: Mapping[str, Any]) -> Graph:
 
 
 def _find(graph: Graph, name: str, here: str, wrong: list[Problem]) -> Place | None:
-    """Where the document holds what ``name`` names."""
+    """Find where the document holds the knob or parameter ``name``; None, and a problem in ``wrong``, if nowhere."""
     problems = Problems()
     node, dot, param = name.partition(".")
     known = [f"{n}.{p}" for n, found in graph.nodes.items() if n == node for p in found.declaration.all_params]
@@ -81,7 +85,7 @@ def _find(graph: Graph, name: str, here: str, wrong: list[Problem]) -> Place | N
 
 
 def _renamed(problem: Problem, places: Mapping[str, str]) -> Problem:
-    """The problem at the setting that made it."""
+    """Return the problem with its pointer changed to the setting that made it."""
     for place, here in places.items():
         if problem.pointer == place or problem.pointer.startswith(place + "/"):
             return replace(problem, pointer=here + problem.pointer[len(place) :])

@@ -1,25 +1,23 @@
-"""What a graph sets a parameter to: a literal, ``{"from": knob}`` (perhaps with a map), or ``{"curve": ...}``."""
+"""Reads what a graph sets a parameter to: a literal, ``{"from": knob}`` (perhaps with a map), or ``{"curve": ...}``."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from typing import Any
 
 from flowabs_nodes.graph.document_keys import NUMBER
+from flowabs_nodes.graph.format import FRAME
 from flowabs_nodes.graph.knobs import check_drives
 from flowabs_nodes.graph.model import Knob
 from flowabs_nodes.graph.problems import Place, Problems, show
 from flowabs_nodes.graph.values import Curve, FromKnob, Literal, Value
 from flowabs_nodes.nodes.declare import Param
 
-FRAME = re.compile(r"0|-?[1-9][0-9]{0,8}")
-
 
 def read_value(
     param: Param, raw: Any, knobs: Mapping[str, Knob | None], owner: str, place: Place, problems: Problems
 ) -> Value | None:
-    """The parameter's value, or None where it is not right. ``owner`` is its name in messages (``lines.rho``)."""
+    """Return the parameter's value, or None where it is wrong. ``owner`` is its name in messages (``lines.rho``)."""
     before = problems.errors
     value: Value
     if isinstance(raw, dict) and ("from" in raw or "curve" in raw or param.kind != "custom"):
@@ -36,7 +34,7 @@ def read_value(
 
 
 def _shape_fits(raw: dict[str, Any], param: Param, place: Place, problems: Problems) -> bool:
-    """One of ``from`` and ``curve``; ``map`` beside ``from``; nothing else."""
+    """Check the keys of a reference: one of ``from`` and ``curve``, ``map`` beside ``from`` only, nothing else."""
     fits = True
     for key in raw.keys() - {"from", "map", "curve"}:
         hint = problems.near(key, ("from", "map", "curve"))
@@ -93,7 +91,7 @@ def _from_knob(
 
 
 def _map(param: Param, raw: Any, place: Place, problems: Problems) -> tuple[tuple[float, float], ...]:
-    """[[x, y], ...]: x increasing, y good for the parameter."""
+    """Read the points [[x, y], ...] of a map: x increasing, y good for the parameter."""
     if not isinstance(raw, list):
         problems.add("wrong-type", place, show(raw), "a list of [x, y] points")
         return ()
@@ -117,7 +115,7 @@ def _map(param: Param, raw: Any, place: Place, problems: Problems) -> tuple[tupl
 
 
 def _curve(param: Param, raw: Any, place: Place, problems: Problems) -> tuple[tuple[int, float], ...]:
-    """{"frame": value, ...}, in the order of the frames."""
+    """Read the keys {"frame": value, ...} of a curve, in the order of the frames."""
     if not param.numeric:
         problems.add("wrong-type", place, "a curve", f"no curve: only numbers take one; {param.expected}")
         return ()

@@ -1,4 +1,4 @@
-"""What is wrong with a graph: one :class:`Problem` for each mistake, all of them in one :class:`GraphError`."""
+"""Collects what is wrong with a graph: one :class:`Problem` for each mistake, all in one :class:`GraphError`."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from typing import Any
 
 from flowabs_nodes.errors import FlowabsError
 
-#: Where something is in a document: the keys and indices that lead there.
+#: The keys and indices that lead to a value of a document.
 Place = tuple[str | int, ...]
 
-#: Every code a problem can have. The last one is a warning, the others are errors.
+#: Every code that a problem can have. The last one is a warning, the others are errors.
 CODES = (
     "bad-json",
     "too-big",
@@ -37,21 +37,21 @@ CODES = (
 
 @dataclass(frozen=True)
 class Problem:
-    """One mistake in a graph file.
+    """Describes one mistake in a graph file.
 
     Attributes
     ----------
     code
         One of :data:`CODES`.
     pointer
-        Where, as a JSON Pointer (RFC 6901); what is missing is pointed at where it should be. A value that came with
-        ``--set`` is pointed at as ``--set name``.
+        The place, as a JSON Pointer (RFC 6901); of something missing, the place where it should be. A value that came
+        with ``--set`` is pointed at as ``--set name``.
     found, expected
-        What stands there and what should, in words.
+        What stands at that place and what should, in words.
     hint
         The nearest right name, or what to do; may be empty.
     warning
-        True for what does not keep the graph from running.
+        True where the graph runs all the same.
     """
 
     code: str
@@ -62,7 +62,7 @@ class Problem:
     warning: bool = False
 
     def to_dict(self) -> dict[str, Any]:
-        """The same as plain data, for ``--json``; ``warning`` is there only where it is true."""
+        """Return the problem as plain data, for ``--json``; ``warning`` is there only where it is true."""
         fields = {"code": self.code, "pointer": self.pointer, "found": self.found, "expected": self.expected}
         return {**fields, "hint": self.hint, **({"warning": True} if self.warning else {})}
 
@@ -72,7 +72,7 @@ class Problem:
 
     @property
     def block(self) -> str:
-        """The same over several lines."""
+        """Return the problem as several lines of text, for people."""
         rows = [f"{self.code}{' (warning)' if self.warning else ''}  {self.pointer or 'the whole file'}"]
         rows += [f"  found     {self.found}", f"  expected  {self.expected}"]
         if self.hint:
@@ -81,7 +81,7 @@ class Problem:
 
 
 class GraphError(FlowabsError):
-    """A graph is not valid. ``problems`` holds everything that is wrong with it, warnings included."""
+    """Says that a graph is not valid. ``problems`` holds everything that is wrong with it, warnings included."""
 
     code = "bad-graph"
 
@@ -92,7 +92,7 @@ class GraphError(FlowabsError):
         super().__init__(f"{count} {'problem' if count == 1 else 'problems'} in the graph\n\n{blocks}", file=file)
 
     def to_dict(self) -> dict[str, Any]:
-        """The same as plain data, each problem by itself."""
+        """Return the error as plain data, each problem by itself."""
         count = sum(not problem.warning for problem in self.problems)
         summary = {**super().to_dict(), "message": f"{count} {'problem' if count == 1 else 'problems'} in the graph"}
         return {**summary, "problems": [problem.to_dict() for problem in self.problems]}
@@ -101,9 +101,9 @@ class GraphError(FlowabsError):
 class Problems:
     """Collects problems while a document is read.
 
-    A place that is known to be wrong may be :meth:`silenced <silence>`: what follows from it is then not said again.
-    Memory and time stay bounded with a hostile file: one problem more than :attr:`most` raises GraphError, and names
-    are compared for hints only as long as :attr:`comparisons` last.
+    A place that is known to be wrong may be :meth:`silenced <silence>`, so that nothing that follows from it is
+    reported. Memory and time stay bounded with a hostile file: one problem more than :attr:`most` raises GraphError,
+    and names are compared for hints only as long as :attr:`comparisons` last.
     """
 
     most = 10_000
@@ -111,11 +111,11 @@ class Problems:
 
     def __init__(self) -> None:
         self.found: list[Problem] = []
-        self.errors = 0  # how many of them are no warnings
+        self.errors = 0  # problems that are not warnings
         self._silent: set[Place] = set()
 
     def add(self, code: str, place: Place, found: str, expected: str, hint: str = "", *, warning: bool = False) -> None:
-        """Note a problem, unless its place, or one above it, is silenced."""
+        """Add a problem, unless its place, or one above it, is silenced."""
         if self._silent and any(place[:depth] in self._silent for depth in range(len(place) + 1)):
             return
         self.room_for(1)
@@ -123,29 +123,29 @@ class Problems:
         self.found.append(Problem(code, pointer(place), found, expected, hint, warning))
 
     def room_for(self, count: int) -> None:
-        """Raise GraphError where so many problems more would be too many."""
+        """Raise GraphError if ``count`` problems more would be too many."""
         if len(self.found) + count > self.most:
             raise GraphError(
                 [Problem("too-big", "", f"more than {self.most} problems", "fewer; the rest is not listed")]
             )
 
     def silence(self, place: Place) -> None:
-        """Say nothing more about this place and all below it."""
+        """Ignore problems at this place and below it from now on."""
         self._silent.add(place)
 
     def closest(self, name: object, known: Collection[str]) -> str | None:
-        """The known name that this one was probably meant to be."""
+        """Return the known name that ``name`` was probably meant to be; None if none is close."""
         self.comparisons -= len(known)
         close = difflib.get_close_matches(str(name)[:200], known, 1) if self.comparisons >= 0 else []
         return close[0] if close else None
 
     def meant(self, name: object, unset: Collection[str], known: Collection[str]) -> tuple[str | None, str]:
-        """Which of the names that are not set yet this one was meant to be, and a hint (from all known names)."""
+        """Return which name of ``unset`` this one was probably meant to be, and a hint (from all known names)."""
         close = self.closest(name, unset)
         return close, f"did you mean {close!r}?" if close else self.near(name, known)
 
     def near(self, name: object, known: Collection[str]) -> str:
-        """A hint: the closest known name; all of them where none is close and they are few."""
+        """Return a hint: the closest known name, or all of them where none is close and they are few."""
         close = self.closest(name, known)
         if close is not None:
             return f"did you mean {close!r}?"
@@ -153,12 +153,12 @@ class Problems:
 
 
 def pointer(place: Place) -> str:
-    """The place as a JSON Pointer (RFC 6901); "" is the whole document."""
+    """Return the place as a JSON Pointer (RFC 6901); "" is the whole document."""
     return "".join("/" + str(key).replace("~", "~0").replace("/", "~1") for key in place)
 
 
 def show(value: Any) -> str:
-    """A value as it stands in the file, shortened to fit a line."""
+    """Return a value as it stands in the file, shortened to fit a line."""
     if isinstance(value, dict):
         whole = json.dumps(value) if len(value) <= 4 and _flat(value.values()) else ""
         return whole if whole and len(whole) <= 80 else f"an object with {len(value)} keys"

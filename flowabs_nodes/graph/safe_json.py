@@ -17,7 +17,7 @@ from flowabs_nodes.graph.problems import GraphError, Place, Problem, Problems, s
 
 MOST_BYTES = 8 * 2**20
 MOST_LEVELS = 64
-MOST_DIGITS = 300  # of a whole number: about what a float can hold; Python refuses to convert more than 4300
+MOST_DIGITS = 300  # in a whole number: about what a float can hold; Python refuses to convert more than 4300
 #: 40 for each of 10,000 nodes. 8 MB have room for millions, and the smallest takes 60 bytes of memory.
 MOST_VALUES = 400_000
 
@@ -29,17 +29,17 @@ _UNFIT = re.compile("[\0\ud800-\udfff]")
 
 
 class _Wrong:
-    """Stands in the parsed document where a number was that is none."""
+    """Stands in the parsed document in place of a number that is not finite, or has too many digits."""
 
     def __init__(self, text: str) -> None:
         self.text = text
 
 
 def parse(data: bytes, problems: Problems) -> Any:
-    """The document that JSON text holds.
+    """Return the document that JSON text holds.
 
-    NaN, infinite numbers, repeated keys and characters that no name or path can hold are problems at their place, about
-    which nothing more is then said; the rest of the document stands. Anything else wrong raises GraphError.
+    NaN, infinite numbers, repeated keys and characters that no name or path can hold become problems at their place,
+    which is silenced; the rest of the document stands. Anything else wrong raises GraphError.
     """
     text = _refuse(data)
     repeated: list[tuple[dict[str, Any], str]] = []
@@ -79,7 +79,7 @@ def parse(data: bytes, problems: Problems) -> Any:
 
 
 def _refuse(data: bytes) -> str:
-    """The text, if it is safe to hand to the parser."""
+    """Return the text if it is safe to hand to the parser; raise GraphError if not."""
     if len(data) > MOST_BYTES:
         raise _refusal("too-big", "more than 8 MB", "at most 8 MB")
     try:
@@ -107,7 +107,7 @@ def _refusal(code: str, found: str, expected: str, hint: str = "") -> GraphError
 
 
 def _inspect(document: Any, repeated: list[tuple[dict[str, Any], str]], problems: Problems) -> Any:
-    """Find the places of what the parser noticed; what is not a number becomes 0, so that the rest can be checked."""
+    """Report what the parser noticed at its place. A wrong number becomes 0, so that the rest can be checked."""
     keys: dict[int, list[str]] = {}
     for owner, key in repeated:
         keys.setdefault(id(owner), []).append(key)
@@ -134,7 +134,7 @@ def _inspect(document: Any, repeated: list[tuple[dict[str, Any], str]], problems
 
 
 def _fit(text: str, place: Place, problems: Problems) -> bool:
-    """Whether the text can be printed, stored and used as a path."""
+    """Return True if the text can be printed, stored and used as a path; report it if not."""
     if not _UNFIT.search(text):
         return True
     problems.add("bad-json", place, ascii(text[:60]), "text without NUL and without half surrogate pairs")

@@ -1,4 +1,4 @@
-"""The JSON Schema (2020-12) of the graph file, made from the declarations: for editors, forms and other programs.
+"""Makes the JSON Schema (2020-12) of the graph file from the declarations: for editors, forms and other programs.
 
 What a schema cannot say (links that lead somewhere, ports that fit, cycles, knobs that fit) only :func:`check` says.
 """
@@ -10,10 +10,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from flowabs_nodes.graph import document_keys
+from flowabs_nodes.graph.format import FORMAT, FRAME, KNOB_TYPES, MOST_NODES, NAME
 from flowabs_nodes.graph.links import taken_names
-from flowabs_nodes.graph.model import FORMAT, KNOB_TYPES, NAME
-from flowabs_nodes.graph.parameters import FRAME
-from flowabs_nodes.graph.validate import MOST_NODES
 from flowabs_nodes.nodes import catalogue as installed
 from flowabs_nodes.nodes.declare import Node, Param, Port
 
@@ -21,7 +19,7 @@ Schema = dict[str, Any]
 
 
 def schema(catalogue: Mapping[str, Node] | None = None) -> Schema:
-    """The schema for graphs of these nodes (all that are installed unless given)."""
+    """Return the schema of graphs made of these nodes (all that are installed unless given)."""
     nodes = installed() if catalogue is None else catalogue
     properties = {key: dict(kind.schema) for key, kind in document_keys.GRAPH.items()}
     properties["format"] = {"const": FORMAT}
@@ -63,7 +61,7 @@ def schema(catalogue: Mapping[str, Node] | None = None) -> Schema:
 
 
 def _knob() -> Schema:
-    """A knob; what the default must be, and which other keys there are, goes by its type."""
+    """Return the schema of a knob; its type decides what the default must be and which other keys there are."""
     numbers: Schema = {"min": {}, "max": {}}
     by_type: dict[str, tuple[Schema, Schema]] = {
         "float": ({"type": "number"}, numbers),
@@ -138,7 +136,7 @@ def _input(port: Port) -> Schema:
 
 
 def _param(param: Param) -> Schema:
-    """A literal, a knob, or for numbers a curve; with help, default, unit and soft range."""
+    """Return the schema of a parameter: a literal, a knob, or for numbers a curve; beside them help, default, unit."""
     literal = value(param)
     forms: list[Schema] = [literal, {"$ref": "#/$defs/from"}]
     if param.numeric:
@@ -165,7 +163,7 @@ def _param(param: Param) -> Schema:
 
 
 def value(param: Param) -> Schema:
-    """What a literal value of the parameter is."""
+    """Return the schema of a literal value of the parameter."""
     kinds = {
         "float": "number",
         "int": "integer",
@@ -189,7 +187,7 @@ def value(param: Param) -> Schema:
 
 
 def _not_a_reference(literal: Schema) -> Schema:
-    """An object with from or curve is never a literal."""
+    """Return the schema of a literal that no object with from or curve fits."""
     return {
         "allOf": [literal, {"not": {"anyOf": [{"type": "object", "required": [key]} for key in ("from", "curve")]}}]
     }
@@ -213,6 +211,6 @@ def _from() -> Schema:
 
 
 def _points(y: Schema) -> Schema:
-    """[[x, y], ...]; that x increases, a schema cannot say."""
+    """Return the schema of a map's points [[x, y], ...]; that x increases, a schema cannot say."""
     point = {"type": "array", "prefixItems": [{"type": "number"}, y], "minItems": 2, "maxItems": 2}
     return {"type": "array", "items": point, "minItems": 2}

@@ -1,4 +1,4 @@
-"""The graphs that come with the package, and what a graph's name on the command line means."""
+"""Finds the graphs that come with the package, and the file that a graph's name on the command line means."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from flowabs_nodes.errors import CommandError, nearest
 
 
 def folder() -> Path:
-    """Where they are: inside an installed package, or beside it in a checkout (editable installs too)."""
+    """Return the graphs' folder: inside an installed package, or beside it in a checkout (editable installs too)."""
     package = Path(flowabs_nodes.__file__).resolve().parent
     installed = package / "graphs"
     return (
@@ -20,17 +20,20 @@ def folder() -> Path:
 
 
 def shipped() -> dict[str, Path]:
-    """Every graph that comes with the package, by name."""
+    """Return the file of every graph that comes with the package, by name."""
     return {path.stem: path for path in sorted(folder().glob("*.json"))}
 
 
 def paper() -> dict[str, Path]:
-    """The graphs of the paper's figures (``graphs/paper``), by name."""
+    """Return the files of the graphs of the paper's figures (``graphs/paper``), by name."""
     return {path.stem: path for path in sorted((folder() / "paper").glob("*.json"))}
 
 
 def resolve(name: str) -> Path:
-    """The file of a GRAPH: a path if it has a "/" or ends in ".json", else the graph of that name that comes along."""
+    """Return the file that GRAPH means: a path if it has a "/" or ends in ".json", else the shipped graph of that name.
+
+    Raises CommandError, with the nearest name, if no graph of that name comes with the package.
+    """
     if "/" in name or "\\" in name or name.endswith(".json"):
         return Path(name)
     known = shipped() | paper()

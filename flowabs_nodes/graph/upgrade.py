@@ -11,7 +11,7 @@ import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from flowabs_nodes.graph.model import FORMAT_NAME, FORMAT_VERSION
+from flowabs_nodes.graph.format import FORMAT_NAME, FORMAT_VERSION
 from flowabs_nodes.graph.problems import Place, Problems, show
 from flowabs_nodes.nodes.declare import Node
 
@@ -31,7 +31,7 @@ def upgrade_format(
     newest: int = FORMAT_VERSION,
     upgrades: Mapping[int, Upgrade] = FORMAT_UPGRADES,
 ) -> dict[str, Any] | None:
-    """The document in the newest format; None if it is newer than that, and so cannot be read at all."""
+    """Return the document in the newest format; None if its format is newer still, and so cannot be read at all."""
     written = document.get("format")
     expected = f'"{FORMAT_NAME}/{newest}"'
     match = _FORMAT.fullmatch(written) if isinstance(written, str) else None
@@ -53,7 +53,7 @@ def upgrade_format(
 def upgrade_node(
     node: dict[str, Any], place: Place, catalogue: Mapping[str, Node], problems: Problems, notes: list[str]
 ) -> Node | None:
-    """The declaration that a node's ``type`` names, or None. An older node is changed to that version, in place."""
+    """Return the declaration that a node's ``type`` names, or None. An older node is brought up to it, in place."""
     written = node["type"]
     match = _TYPE.fullmatch(written)
     declaration = catalogue.get(match[1]) if match else None

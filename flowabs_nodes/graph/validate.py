@@ -1,7 +1,7 @@
-"""From a document to a graph: every problem in one go, each mistake reported once.
+"""Makes a graph of a document: every problem in one go, each mistake reported once.
 
-What follows from a mistake is not said again: a node of unknown type has neither unknown parameters nor wrong links, a
-link that leads nowhere is not a missing input, and a broken knob drives anything.
+What follows from a mistake is not reported again: a node of unknown type has neither unknown parameters nor wrong
+links, a link that leads nowhere is not a missing input, and a broken knob drives anything.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from flowabs_nodes.graph import document_keys
+from flowabs_nodes.graph.format import MOST_NODES
 from flowabs_nodes.graph.knobs import read_knobs
 from flowabs_nodes.graph.links import add_unused, check_links, read_links
 from flowabs_nodes.graph.model import Graph, GraphNode, Knob, Link
@@ -19,11 +20,9 @@ from flowabs_nodes.graph.upgrade import upgrade_format, upgrade_node
 from flowabs_nodes.graph.values import Value
 from flowabs_nodes.nodes.declare import Node
 
-MOST_NODES = 10_000
-
 
 def validate(document: Any, catalogue: Mapping[str, Node], problems: Problems, source: str = "") -> Graph | None:
-    """The graph, or None where there is any error. The document is plain data, and brought up to date in place."""
+    """Return the graph, or None if there is any error. The document is plain data, and brought up to date in place."""
     if not isinstance(document, dict):
         problems.add("wrong-type", (), show(document), "an object with format and nodes")
         return None
@@ -31,7 +30,7 @@ def validate(document: Any, catalogue: Mapping[str, Node], problems: Problems, s
     upgraded = upgrade_format(document, problems, notes)
     if upgraded is None:
         return None
-    top = document_keys.fields(upgraded, (), document_keys.GRAPH, problems, required=("nodes",))
+    top = document_keys.read_fields(upgraded, (), document_keys.GRAPH, problems, required=("nodes",))
     height = top.get("reference_height")
     if height is not None and height <= 0:
         problems.add("out-of-range", ("reference_height",), show(height), "a height in pixels above 0")
@@ -67,8 +66,8 @@ def _read_nodes(
     place: Place = ("nodes",)
     bodies: dict[str, dict[str, Any]] = {}
     declarations: dict[str, Node | None] = {}
-    for name, raw in document_keys.named(raw_nodes, place, "a node's name", problems).items():
-        body = document_keys.fields(raw, (*place, name), document_keys.NODE, problems, required=("type",))
+    for name, raw in document_keys.read_named(raw_nodes, place, "a node's name", problems).items():
+        body = document_keys.read_fields(raw, (*place, name), document_keys.NODE, problems, required=("type",))
         written = body.get("type")
         declarations[name] = (
             upgrade_node(body, (*place, name), catalogue, problems, notes) if written is not None else None
@@ -102,7 +101,10 @@ def _read_params(
     place: Place,
     problems: Problems,
 ) -> dict[str, Value]:
-    """The parameters that are set. A name the node has not stands for the one it is closest to: that is one mistake."""
+    """Return the values of the parameters that are set.
+
+    An unknown name stands for the parameter it is closest to, which is then not reported as missing: one mistake.
+    """
     declared = declaration.all_params
     values: dict[str, Value] = {}
     # A file may also be set when the graph is run.

@@ -1,4 +1,4 @@
-"""What a parameter is set to: a literal, a knob (perhaps through a map), or a curve over frames."""
+"""Holds what a parameter is set to: a literal, a knob (perhaps through a map), or a curve over frames."""
 
 from __future__ import annotations
 
@@ -11,38 +11,41 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Literal:
-    """A value that stands in the graph."""
+    """Holds a value as it stands in the graph."""
 
     value: Any
 
     def at(self, frame: int, knobs: Mapping[str, Any]) -> Any:
-        """The value; frame and knobs do not matter."""
+        """Return the value, which depends on neither frame nor knobs."""
         return self.value
 
 
 @dataclass(frozen=True)
 class FromKnob:
-    """The value of a knob, or, with a ``map`` of two points or more, what the map makes of it."""
+    """Takes the value of a knob, or, with a ``map`` of two points or more, what the map makes of it.
+
+    ``whole`` rounds the result of the map, for a parameter that takes whole numbers.
+    """
 
     knob: str
     map: tuple[tuple[float, float], ...] = ()
     whole: bool = False
 
     def at(self, frame: int, knobs: Mapping[str, Any]) -> Any:
-        """The value for these knobs."""
+        """Return the value for these knobs, which does not depend on the frame."""
         value = knobs[self.knob]
         return _rounded(interpolate(self.map, value), self.whole) if self.map else value
 
 
 @dataclass(frozen=True)
 class Curve:
-    """A value that moves from key to key, each a frame and a number."""
+    """Moves from key to key, each a frame and a number; ``whole`` rounds, for a parameter that takes whole numbers."""
 
     keys: tuple[tuple[int, float], ...]
     whole: bool = False
 
     def at(self, frame: int, knobs: Mapping[str, Any]) -> Any:
-        """The value at a frame."""
+        """Return the value at a frame, which does not depend on knobs."""
         return _rounded(interpolate(self.keys, frame), self.whole)
 
 
@@ -50,7 +53,7 @@ Value = Literal | FromKnob | Curve
 
 
 def interpolate(points: Sequence[tuple[float, float]], x: float) -> float:
-    """Linear between points whose x increase, held beyond the ends; at a point exactly its y."""
+    """Return y at ``x``: linear between points whose x increase, held beyond the ends, and at a point exactly its y."""
     i = bisect_right(points, x, key=lambda point: point[0])
     if i == 0:
         return points[0][1]
@@ -63,5 +66,5 @@ def interpolate(points: Sequence[tuple[float, float]], x: float) -> float:
 
 
 def _rounded(value: float, whole: bool) -> float:
-    """Whole numbers are rounded, a half upwards."""
+    """Return the value, rounded (a half upwards) if it has to be a whole number."""
     return math.floor(value + 0.5) if whole else value

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
-Array = npt.NDArray[np.float32]
+from flowabs_nodes.array_types import Array
 
 
 def premultiplied(rgb: Array, alpha: Array) -> Array:

@@ -14,6 +14,7 @@ import OpenEXR
 import OpenImageIO as oiio
 
 from flowabs_nodes import color
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.color import detect
 from flowabs_nodes.errors import ReadError
 from flowabs_nodes.io import attributes
@@ -21,8 +22,6 @@ from flowabs_nodes.io.formats import Format
 from flowabs_nodes.io.limits import check_readable
 from flowabs_nodes.io.oiio_error import printable
 from flowabs_nodes.io.settings import Settings
-
-Array = npt.NDArray[np.float32]
 
 #: The filter by which OpenEXR's ``RgbaYca`` reconstructs chroma, one half of it: weights 1, 3, 5 .. 13 pixels away.
 _TAPS = (0.627123, -0.186077, 0.087929, -0.043159, 0.019597, -0.007540, 0.002128)

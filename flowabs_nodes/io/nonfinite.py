@@ -8,9 +8,8 @@ import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ReadError
-
-Array = npt.NDArray[np.float32]
 
 
 def count(pixels: npt.NDArray[np.floating]) -> tuple[int, int]:

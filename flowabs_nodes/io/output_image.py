@@ -11,6 +11,7 @@ import numpy.typing as npt
 import OpenImageIO as oiio
 
 from flowabs_nodes.array_types import Array
+from flowabs_nodes.choices import COMPRESSIONS, DATA_TYPES
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.image import Image, Window
 from flowabs_nodes.io import formats
@@ -18,9 +19,6 @@ from flowabs_nodes.io.formats import Format
 from flowabs_nodes.io.settings import Settings
 
 Say = Callable[[str], None]
-
-DATA_TYPES = ("auto", "half", "float", "uint8", "uint16")
-COMPRESSIONS = ("auto", "none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab")
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,6 @@ from flowabs_nodes.errors import CommandError, ReadError
 
 #: The most frames one range may come to.
 MAX_FRAMES = 1_000_000
-MISSING = ("error", "hold", "nearest", "black", "skip")
 
 _RANGE = re.compile(r"(-?\d{1,18})(?:-(-?\d{1,18})(?:x(\d{1,18}))?)?")
 _TOKEN = re.compile(r"#+|@+|%\d*d(?![A-Za-z])|\$F\d*")

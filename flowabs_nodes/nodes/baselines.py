@@ -1,10 +1,11 @@
-"""What the paper compares itself with: bilateral filters, mean shift and Canny's edges, to make its figures with."""
+"""Nodes that the paper compares its own with: bilateral filters, mean shift and Canny's edges."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from flowabs_nodes import filters
+from flowabs_nodes.choices import BILATERAL_KERNELS, ORIENTED_KERNELS
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.common_params import GROUND, SPACE
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
@@ -54,7 +55,7 @@ BILATERAL = Node(
         Param.enum(
             "kernel",
             "full",
-            ("full", "xy"),
+            BILATERAL_KERNELS,
             help="All neighbours in a square, or those along x, then y (Pham and van Vliet: fast, axis-aligned).",
         ),
         SPACE,
@@ -81,7 +82,7 @@ BILATERAL_ORIENTED = Node(
     outputs=FBL.outputs,
     params=(
         *(param for param in FBL.params if param.name not in ("sampling", "space")),
-        Param.enum("kernel", "line", ("line", "arc"), help="A straight line, or an arc bent like the flow."),
+        Param.enum("kernel", "line", ORIENTED_KERNELS, help="A straight line, or an arc bent like the flow."),
         *(param for param in FBL.params if param.name in ("sampling", "space")),
     ),
     run=run_bilateral_oriented,

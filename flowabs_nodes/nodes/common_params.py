@@ -1,13 +1,14 @@
-"""Parameters that several nodes have in common, declared once."""
+"""Declares the parameters that several nodes have in common."""
 
 from __future__ import annotations
 
+from flowabs_nodes.choices import SAMPLINGS, SPACES
 from flowabs_nodes.nodes.declare import Param
 
 SPACE = Param.enum(
     "space",
     "lab",
-    ("lab", "acescct"),
+    SPACES,
     help="Code values the filter sees: CIE Lab (L* x 2.55), or ACEScct, where every stop counts the same (HDR).",
 )
 
@@ -22,10 +23,10 @@ GROUND = Param.float(
 
 
 def sampling(default: str) -> Param:
-    """How the image is read along the curve."""
+    """Return the parameter that says how pixels are read along the flow; its default is the node's own."""
     return Param.enum(
         "sampling",
         default,
-        ("bilinear", "nearest"),
+        SAMPLINGS,
         help="How pixels are read along the flow: bilinear is smoother, nearest is crisper and faster.",
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flowabs_nodes import color, filters
+from flowabs_nodes.choices import MIXING_SPACES
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
 
@@ -66,7 +67,7 @@ COMPOSITE = Node(
         Param.enum(
             "space",
             "linear",
-            ("linear", "lab", "acescct"),
+            MIXING_SPACES,
             help="Where ink and picture mix: in light, or in code values.",
         ),
     ),

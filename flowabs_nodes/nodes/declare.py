@@ -1,4 +1,4 @@
-"""How a node is declared. CLI help, JSON Schema, docs and validation are all made from these few classes.
+"""Declares nodes. CLI help, JSON Schema, docs and validation are all made from these few classes.
 
 A declaration is data: a :class:`Node` holds its :class:`Port` inputs and outputs and its :class:`Param` parameters,
 and names the function that does the work::
@@ -35,7 +35,7 @@ from flowabs_nodes.nodes.param import Param
 
 __all__ = ["MASK", "MIX", "WIDENS_TO", "Context", "Node", "Param", "Port"]
 
-#: What may go where: a matte may go where a mono is asked for, and either where a color is. Nothing else converts.
+#: The types that an image of each type may be used as: a matte as a mono, either as a color. Nothing else converts.
 WIDENS_TO: Mapping[str, frozenset[str]] = {
     "matte": frozenset({"matte", "mono", "color"}),
     "mono": frozenset({"mono", "color"}),
@@ -47,7 +47,7 @@ WIDENS_TO: Mapping[str, frozenset[str]] = {
 
 @dataclass(frozen=True)
 class Port:
-    """An input or output.
+    """Declares an input or output.
 
     ``types`` is one port type, several joined by "|" (an input that takes each of them as it is), "any", or, for an
     output, ``"=name"``: of the same type as the input of that name.
@@ -60,18 +60,18 @@ class Port:
 
     @property
     def accepts(self) -> tuple[str, ...]:
-        """The port types this input takes without widening (all for "any"; empty for an output like "=image")."""
+        """Return the port types this input takes without widening (all for "any"; none for an output like "=image")."""
         if self.types == "any":
             return PORT_TYPES
         return () if self.types.startswith("=") else tuple(self.types.split("|"))
 
     @property
     def same_as(self) -> str | None:
-        """For an output, the input whose type it has; else None."""
+        """Return the name of the input whose type this output has; None for all other ports."""
         return self.types[1:] if self.types.startswith("=") else None
 
     def takes(self, port_type: str) -> str | None:
-        """The type that a value of ``port_type`` has inside the node, or None where it may not be connected."""
+        """Return the type that an image of ``port_type`` has inside the node, or None if it may not be connected."""
         if port_type in self.accepts:
             return port_type
         return next((wide for wide in self.accepts if wide in WIDENS_TO[port_type]), None)
@@ -79,10 +79,11 @@ class Port:
 
 @dataclass(frozen=True)
 class Context:
-    """What a node's function may know beside its inputs and parameters.
+    """Holds what a node's function may know beside its inputs and parameters.
 
-    ``wanted`` names the outputs that somebody asked for: one that nobody wants need not be made. ``note`` and ``warn``
-    tell the person running the graph something about this frame, such as a measured gradient reference.
+    ``wanted`` names the outputs that somebody asked for, of which the others need not be made; empty asks for all.
+    ``note`` and ``warn`` tell the person running the graph something about this frame, such as a measured gradient
+    reference. ``services`` are the run's :class:`~flowabs_nodes.io.settings.Settings`, for nodes that read or write.
     """
 
     frame: int = 1
@@ -90,7 +91,7 @@ class Context:
     wanted: frozenset[str] = frozenset()
     note: Callable[[str], None] = lambda text: None
     warn: Callable[[str], None] = lambda text: None
-    services: Any = None  # what reading and writing need to know: flowabs_nodes.io.settings.Settings
+    services: Any = None
 
 
 MASK = Port("mask", "matte", "Where the result replaces the input: 1 there, 0 the input stays.", optional=True)
@@ -99,11 +100,15 @@ MIX = Param.float("mix", 1.0, min=0.0, max=1.0, soft=(0, 1), help="How much of t
 
 @dataclass(frozen=True)
 class Node:
-    """A declaration. ``type`` and ``version`` together are what a graph writes as ``type@version``.
+    """Declares a node.
 
-    A node whose first output is of the type of its input ``image`` also takes ``mask`` and ``mix``; the engine blends,
-    so ``run`` never sees them. ``extra_inputs`` is a port that further inputs of any name are of (``write``'s layers).
-    ``upgrades`` maps an older version to a function from that version's parameters to the next one's.
+    ``type`` and ``version`` together are what a graph writes as ``type@version``. ``help`` is one line, ``doc`` what
+    more there is to say. A node whose first output is of the type of its input ``image`` also takes ``mask`` and
+    ``mix``; the engine blends, so ``run`` never sees them. ``extra_inputs`` is the port of all inputs under names that
+    the graph makes up (``write``'s layers). ``upgrades`` maps an older version to a function from that version's
+    parameters to the next one's.
+
+    Raises ArgumentError where ``type`` is no identifier, or an input and a parameter share a name.
     """
 
     type: str
@@ -124,12 +129,12 @@ class Node:
 
     @property
     def name(self) -> str:
-        """``type@version``."""
+        """Return ``type@version``."""
         return f"{self.type}@{self.version}"
 
     @cached_property
     def mixes(self) -> bool:
-        """True for a node that takes an image and gives one: it has ``mask`` and ``mix``."""
+        """Return True for a node that takes an image and gives one: it has ``mask`` and ``mix``."""
         image = next((port for port in self.inputs if port.name == "image"), None)
         first = self.outputs[0] if self.outputs else None
         return (
@@ -141,30 +146,30 @@ class Node:
 
     @cached_property
     def all_inputs(self) -> dict[str, Port]:
-        """Every declared input by name, ``mask`` included."""
+        """Return every declared input by name, ``mask`` included."""
         ports = (*self.inputs, MASK) if self.mixes else self.inputs
         return {port.name: port for port in ports}
 
     @cached_property
     def all_params(self) -> dict[str, Param]:
-        """Every parameter by name, ``mix`` included."""
+        """Return every parameter by name, ``mix`` included."""
         params = (*self.params, MIX) if self.mixes else self.params
         return {param.name: param for param in params}
 
     @cached_property
     def all_outputs(self) -> dict[str, Port]:
-        """Every output by name; the first is the default."""
+        """Return every output by name; the first is the default."""
         return {port.name: port for port in self.outputs}
 
     def input(self, name: str) -> Port | None:
-        """The input of that name, extra inputs included."""
+        """Return the input of that name, or the port of extra inputs; None if the node has neither."""
         return self.all_inputs.get(name, self.extra_inputs)
 
     @property
     def file_param(self) -> Param | None:
-        """The parameter that names the file of a ``read`` or ``write``; None for all others."""
+        """Return the parameter that names the file of a node that reads or writes one; None for all other nodes."""
         return next((param for param in self.params if param.kind == "file"), None)
 
     def defaults(self) -> dict[str, Any]:
-        """Every parameter that has a default, with it."""
+        """Return the default of every parameter that has one, by name."""
         return {name: param.default for name, param in self.all_params.items() if not param.required}

@@ -1,4 +1,4 @@
-"""A node's page, made from its declaration: as plain text for the terminal, as Markdown for the documentation."""
+"""Makes a node's page from its declaration: plain text for the terminal, Markdown for the documentation."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ WIDTH = 100
 
 
 def listing(nodes: Iterable[Node]) -> str:
-    """One line for each node: what it is called and what it does."""
+    """Return one line for each node: its name and its help."""
     rows = [(node.name, node.help) for node in nodes]
     widest = max((len(name) for name, _ in rows), default=0)
     return "\n".join(f"{name:{widest}}  {help}" for name, help in rows)
 
 
 def page(node: Node) -> str:
-    """Everything about a node, for the terminal."""
+    """Return everything about a node, for the terminal."""
     lines = [node.name, "", *_wrapped(node.help, 2)]
     if node.doc:
         lines += ["", *_wrapped(node.doc, 2)]
@@ -39,7 +39,7 @@ def page(node: Node) -> str:
 
 
 def reference(nodes: Iterable[Node]) -> str:
-    """The pages of all nodes, as Markdown."""
+    """Return the pages of all nodes, as Markdown."""
     nodes = tuple(nodes)
     lines = ["| node | |", "|---|---|"]
     lines += [f"| [`{node.name}`](#{node.type}{node.version}) | {_cell(node.help)} |" for node in nodes]
@@ -64,7 +64,7 @@ def _markdown(node: Node) -> list[str]:
 
 
 def inputs(node: Node) -> list[tuple[str, str, str]]:
-    """Name, type and help of each input."""
+    """Return name, type and help of each input."""
     ports = node.all_inputs.values()
     rows = [(port.name, _types(port) + (", optional" if port.optional else ""), port.help) for port in ports]
     if node.extra_inputs:
@@ -73,7 +73,7 @@ def inputs(node: Node) -> list[tuple[str, str, str]]:
 
 
 def outputs(node: Node) -> list[tuple[str, str, str]]:
-    """Name, type and help of each output; the first is the one a link means that names none."""
+    """Return name, type and help of each output; a link that names no output means the first."""
     rows = [(port.name, _types(port), port.help) for port in node.outputs]
     if len(rows) > 1:
         rows[0] = (rows[0][0], f"{rows[0][1]}, default", rows[0][2])
@@ -85,13 +85,13 @@ def _types(port: Port) -> str:
 
 
 def rule(param: Param) -> str:
-    """What a value has to be, with the usual range: "a number from 0 to 100 (px), usually 2 to 15"."""
+    """Say what a value has to be, with the usual range: "a number from 0 to 100 (px), usually 2 to 15"."""
     usual = f", usually {param.soft[0]:g} to {param.soft[1]:g}" if param.soft else ""
     return param.expected + usual
 
 
 def default(param: Param) -> str:
-    """The default as a graph would write it; for a required one, that it is."""
+    """Say the default as a graph would write it; of a required parameter, that it is required."""
     if param.kind == "file":
         return "set by the graph or the run"
     return "required" if param.required else f"default {json.dumps(param.default, ensure_ascii=False)}"

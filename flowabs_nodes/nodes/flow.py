@@ -6,13 +6,14 @@ import math
 from typing import Any
 
 from flowabs_nodes import filters
+from flowabs_nodes.choices import ETF_KERNELS
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.common_params import GROUND, SPACE, sampling
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
 
 
 def _reference_problem(value: Any) -> str | None:
-    """What is wrong with a gradient reference: it is "max", "p" and a percentile, or a number."""
+    """Return what a gradient reference has to be if ``value`` is none; None if it is."""
     expected = '"max", a percentile such as "p99.5", or a finite number of at least 0 (code values/px)'
     if isinstance(value, str):
         if value == "max":
@@ -72,7 +73,7 @@ ETF = Node(
         Param.enum(
             "kernel",
             "full",
-            ("full", "separable"),
+            ETF_KERNELS,
             help="The exact disc, or a pass along x and one along y in each iteration (section 2.4).",
         ),
         Param.float(

@@ -6,12 +6,14 @@ Each draws in one of two forms: the paper's eqs. 8 and 9, or XDoG's.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from flowabs_nodes import filters
 from flowabs_nodes.array_types import Array
+from flowabs_nodes.choices import FDOG_KERNELS, FORMS
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.common_params import GROUND, SPACE, sampling
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
@@ -28,7 +30,7 @@ RESPONSE = Port(
 FORM = Param.enum(
     "form",
     "paper",
-    ("paper", "xdog"),
+    FORMS,
     help="Which lines: the paper's, by rho, tau, contrast and softness, or XDoG's, which fade into tone, by p, epsilon "
     "and phi.",
 )
@@ -118,7 +120,7 @@ XDOG = (
     ),
 )
 
-#: What FDoG has beside the two above.
+#: What FDoG takes beside the parameters above.
 ALONG_FLOW = (
     Param.float(
         "color_weight",
@@ -140,7 +142,7 @@ ALONG_FLOW = (
     Param.enum(
         "kernel",
         "separable",
-        ("separable", "full"),
+        FDOG_KERNELS,
         help="Eqs. 10 and 11 (fast), or eq. 6 sampled point by point.",
     ),
     sampling("bilinear"),
@@ -160,7 +162,10 @@ SIGMA_M = Param.float(
 
 
 def code_values(image: Image, space: str, ground: float, color_weight: float) -> Array:
-    """Lightness alone, or with two colour-difference channels beside it where those count."""
+    """Return the code values that FDoG sees: (H, W), lightness; (H, W, 3) with two channels of colour where they count.
+
+    The channels of colour are a* and b* (lab), or red and blue less lightness (acescct).
+    """
     if color_weight == 0:
         return image.encoded_mono(space, ground=ground)
     codes = image.encoded(space, ground=ground)
@@ -171,7 +176,7 @@ def code_values(image: Image, space: str, ground: float, color_weight: float) ->
 
 
 def draw(
-    respond: Callable[[float], Array],
+    respond: Callable[..., Array],
     *,
     form: str,
     rho: float,
@@ -181,27 +186,28 @@ def draw(
     p: float,
     epsilon: float,
     phi: float,
+    **response_params: Any,
 ) -> tuple[Array, Array]:
-    """Lines and response in either form; ``respond`` gives H for a rho."""
+    """Return lines and response in either form; ``respond`` makes H from a rho and all parameters not named here."""
     if form == "xdog":
-        return filters.xdog(respond(filters.xdog_rho(p)), p=p, epsilon=epsilon, phi=phi)
-    response = respond(rho)
+        return filters.xdog(respond(rho=filters.xdog_rho(p), **response_params), p=p, epsilon=epsilon, phi=phi)
+    response = respond(rho=rho, **response_params)
     return filters.threshold(response, tau=tau, contrast=contrast, softness=softness), response
 
 
 def outputs(image: Image, lines: Array, response: Array) -> dict[str, Image]:
+    """Return both outputs as images, with the picture's windows and metadata."""
     return {"lines": image.with_pixels(lines, "matte"), "response": image.with_pixels(response, "mono")}
 
 
 def smoothed(lines: Array, flow: Image, sigma: float, sampling: str) -> Array:
+    """Return the lines, blurred along the flow unless ``sigma`` (pixels) is 0."""
     return lines if sigma == 0 else filters.flow_blur(lines, flow.pixels, sigma=sigma, sampling=sampling)
 
 
-def run_dog(
-    context: Context, image: Image, *, sigma_c: float, ground: float, space: str, **form: Any
-) -> dict[str, Image]:
+def run_dog(context: Context, image: Image, *, ground: float, space: str, **dog: Any) -> dict[str, Image]:
     code = image.encoded_mono(space, ground=ground)
-    return outputs(image, *draw(lambda rho: filters.dog(code, sigma_c=sigma_c, rho=rho), **form))
+    return outputs(image, *draw(partial(filters.dog, code), **dog))
 
 
 DOG = Node(
@@ -221,24 +227,16 @@ def run_fdog(
     image: Image,
     flow: Image,
     *,
-    sigma_m: float,
-    sigma_c: float,
     color_weight: float,
     smooth: float,
-    kernel: str,
-    sampling: str,
     ground: float,
     space: str,
-    **form: Any,
+    **fdog: Any,
 ) -> dict[str, Image]:
-    color_weight = 0.0 if form["form"] == "xdog" else color_weight
+    color_weight = 0.0 if fdog["form"] == "xdog" else color_weight
     code = code_values(image, space, ground, color_weight)
-
-    def respond(rho: float) -> Array:
-        return filters.fdog(code, flow.pixels, sigma_m, sigma_c, rho, color_weight, kernel, sampling)
-
-    lines, response = draw(respond, **form)
-    return outputs(image, smoothed(lines, flow, smooth, sampling), response)
+    lines, response = draw(partial(filters.fdog, code, flow.pixels, color_weight=color_weight), **fdog)
+    return outputs(image, smoothed(lines, flow, smooth, fdog["sampling"]), response)
 
 
 FDOG = Node(

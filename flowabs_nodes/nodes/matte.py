@@ -14,7 +14,10 @@ LUMINANCE = "luminance"
 
 
 def _channel(context: Context, image: Image, name: str) -> Array:
-    """The channel ``name``; by default the alpha of a color image, else its luminance, else the first."""
+    """Return the channel ``name``, (H, W); "" is the alpha, else the luminance of a color image, else the first one.
+
+    Raises ArgumentError, with the nearest name, if the image has no such channel.
+    """
     if name == "":
         name = "A" if "A" in image.channels else LUMINANCE if image.type == "color" else image.channels[0]
         if image.type == "data" and len(image.channels) > 1:

@@ -1,4 +1,4 @@
-"""A parameter of a node: its type, default, range, unit and help, and the one place that judges a value."""
+"""Declares a parameter of a node: its type, default, range, unit and help; and judges values, here alone."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Flag = bool
 
 @dataclass(frozen=True)
 class Param:
-    """A parameter: type, default, hard range (an error beyond), soft range (what a slider shows), unit, help.
+    """Declares a parameter: type, default, hard range (an error beyond), soft range (what a slider shows), unit, help.
 
     Use the constructors :meth:`float`, :meth:`int`, :meth:`bool`, :meth:`enum`, :meth:`string`, :meth:`color`,
     :meth:`file` and :meth:`custom`. ``required`` parameters have no default. ``scales`` is +1 for pixel lengths, which
@@ -60,10 +60,21 @@ class Param:
         thin_below: Number | None = None,
         help: str,
     ) -> Param:
-        """A number. Unit "px" makes it a length, which scales with the plate; a unit per pixel ("…/px") the reverse."""
-        scales = 1 if unit == "px" else -1 if unit.endswith("/px") else 0
-        limits = (min, max, above, soft, unit)
-        return Param(name, "float", default, help, *limits, nullable=nullable, scales=scales, thin_below=thin_below)
+        """Declare a number. Unit "px" makes it a length, which grows with the plate; with a unit "…/px" it shrinks."""
+        return Param(
+            name,
+            "float",
+            default,
+            help,
+            min=min,
+            max=max,
+            above=above,
+            soft=soft,
+            unit=unit,
+            nullable=nullable,
+            scales=1 if unit == "px" else -1 if unit.endswith("/px") else 0,
+            thin_below=thin_below,
+        )
 
     @staticmethod
     def int(
@@ -76,32 +87,32 @@ class Param:
         unit: str = "",
         help: str,
     ) -> Param:
-        """A whole number."""
-        return Param(name, "int", default, help, min, max, False, soft, unit)
+        """Declare a whole number."""
+        return Param(name, "int", default, help, min=min, max=max, soft=soft, unit=unit)
 
     @staticmethod
     def bool(name: str, default: Flag, *, help: str) -> Param:
-        """A switch."""
+        """Declare a switch."""
         return Param(name, "bool", default, help)
 
     @staticmethod
     def enum(name: str, default: str, choices: tuple[str, ...], *, help: str, in_key: Flag = True) -> Param:
-        """One of a few words."""
+        """Declare one of a few words; a list of flowabs' own stands in :mod:`flowabs_nodes.choices`."""
         return Param(name, "enum", default, help, choices=choices, in_key=in_key)
 
     @staticmethod
     def string(name: str, default: str, *, examples: tuple[str, ...] = (), help: str) -> Param:
-        """Free text; ``examples`` of it are for editors, and for tests."""
+        """Declare a free text; ``examples`` of it are for editors, and for tests."""
         return Param(name, "string", default, help, schema={"examples": list(examples)} if examples else {})
 
     @staticmethod
     def color(name: str, default: tuple[Number, Number, Number], *, help: str) -> Param:
-        """Three scene-linear numbers, red, green, blue."""
+        """Declare a colour: three scene-linear numbers, red, green, blue."""
         return Param(name, "color", default, help)
 
     @staticmethod
     def file(name: str, *, role: Literal["input", "output"], help: str) -> Param:
-        """A path or sequence pattern; required, but a run may set it from outside."""
+        """Declare a path or sequence pattern; required, but a run may set it from outside."""
         return Param(name, "file", None, help, required=True, role=role, in_key=role == "input")
 
     @staticmethod
@@ -116,16 +127,19 @@ class Param:
         unit: str = "",
         help: str,
     ) -> Param:
-        """A value of its own shape: ``schema`` says it in JSON Schema, ``parse`` returns what is wrong, or None."""
+        """Declare a value of its own shape: ``schema`` is its JSON Schema, ``parse`` returns what is wrong, or None."""
         return Param(name, "custom", default, help, unit=unit, scales=scales, in_key=in_key, schema=schema, parse=parse)
 
     @property
     def numeric(self) -> Flag:
-        """True for a parameter that a curve or a map may drive."""
+        """Return True for a parameter that a curve or a map may drive."""
         return self.kind in ("float", "int")
 
     def problem(self, value: Any) -> tuple[str, str] | None:
-        """What is wrong with ``value``: (code, what was expected), code "wrong-type", "bad-value" or "out-of-range"."""
+        """Return None if ``value`` is good, else a code and what was expected.
+
+        The code is "wrong-type", "bad-value" or "out-of-range".
+        """
         if value is None and self.nullable:
             return None
         if self.parse is not None:
@@ -159,7 +173,7 @@ class Param:
                 return isinstance(value, str)
 
     def check(self, value: Any) -> Any:
-        """``value`` in the type that ``run`` gets; raises ArgumentError (named after the parameter) if it is wrong."""
+        """Return ``value`` in the type that ``run`` gets; raise ArgumentError, with the parameter, if it is wrong."""
         wrong = self.problem(value)
         if wrong:
             hint = nearest(value, self.choices) if self.kind == "enum" else ""
@@ -176,7 +190,7 @@ class Param:
 
     @cached_property
     def expected(self) -> str:
-        """What a value must be, in words: "a number from 0 to 1, or null"."""
+        """Say what a value must be: "a number from 0 to 1, or null"."""
         words = {
             "float": "a number",
             "int": "a whole number",
@@ -195,7 +209,7 @@ class Param:
 
     @cached_property
     def range_text(self) -> str:
-        """The hard range in words: "from 0 to 1", "above 0 up to 100"; empty where there is none."""
+        """Say the hard range: "from 0 to 1", "above 0 up to 100"; empty where there is none."""
         low = "" if self.min is None else f"{'above' if self.above else 'from'} {self.min:.10g}"
         high = "" if self.max is None else f"{'up to' if self.above or self.min is None else 'to'} {self.max:.10g}"
         return " ".join(part for part in (low, high) if part)
@@ -206,7 +220,7 @@ def _is_number(value: Any) -> bool:
 
 
 def _is_finite(value: float) -> bool:
-    """False for NaN, Inf, and an int too large for a float."""
+    """Return False for NaN, Inf, and an int too large for a float."""
     try:
         return math.isfinite(value)
     except OverflowError:

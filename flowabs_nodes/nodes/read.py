@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
+from flowabs_nodes.choices import ALPHAS, MISSING, NONFINITE
 from flowabs_nodes.image import Image
 from flowabs_nodes.io import formats
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
 
-MISSING = Param.enum(
+MISSING_PARAM = Param.enum(
     "missing",
     "error",
-    ("error", "hold", "nearest", "black", "skip"),
+    MISSING,
     # What is read instead of a missing frame is in the key by its content.
     in_key=False,
     help="A frame that is not there: an error, the last one before it, the nearest, black, or no frame at all.",
@@ -80,13 +81,11 @@ READ = Node(
         Param.enum(
             "alpha",
             "auto",
-            ("auto", "ignore", "premultiplied", "straight"),
+            ALPHAS,
             help="What alpha means. auto: premultiplied (PNG: straight), and opaque where it is 0 in every pixel.",
         ),
-        Param.enum(
-            "nonfinite", "repair", ("repair", "error"), help="NaN and Inf: repaired from their neighbours, or an error."
-        ),
-        MISSING,
+        Param.enum("nonfinite", "repair", NONFINITE, help="NaN and Inf: repaired from their neighbours, or an error."),
+        MISSING_PARAM,
     ),
     run=run_read,
     doc=" ".join(
@@ -117,7 +116,7 @@ READ_AOV = Node(
         Param.file("file", role="input", help="File or sequence: render.exr, render.####.exr."),
         _layer('Layer, or one channel such as Z or N.X: "" is every channel of the part.'),
         _part('Part of a multi-part EXR, by name or number: "" is the first that has the layer.'),
-        MISSING,
+        MISSING_PARAM,
     ),
     run=run_read_aov,
     doc="Whole numbers keep their value up to 16777216, the largest that float32 holds exactly with all below it.",

@@ -1,38 +1,61 @@
-"""The catalogue: the nodes that come with the package, and those that other packages add by entry point.
+"""Collects the catalogue: the nodes that come with the package, and those that other packages add by entry point.
 
-A package adds nodes with an entry point of the group ``flowabs.nodes`` that names a :class:`Node` or several. What
-cannot be loaded, is declared wrongly, or takes a name that is taken, is left out and reported, and stops nothing.
+A node comes with the package if a module of this folder holds its :class:`Node`: a new file is all that a new node
+needs. Another package adds nodes with an entry point of the group ``flowabs.nodes`` that names a :class:`Node` or
+several. One that cannot be loaded, is declared wrongly, or takes a name that is taken, is left out and reported, and
+stops nothing.
 """
 
 from __future__ import annotations
 
 import importlib
+import pkgutil
 from collections.abc import Iterable
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from types import MappingProxyType
 
-from flowabs_nodes.errors import nearest
+from flowabs_nodes.errors import ArgumentError, nearest
 from flowabs_nodes.image import PORT_TYPES
 from flowabs_nodes.nodes.declare import Node
 
 GROUP = "flowabs.nodes"
 
+#: The order in which people read about the nodes of the package. A node that is not named here follows by its file.
+READING_ORDER = (
+    *("read", "read_aov", "write", "matte", "exposure"),
+    *("etf", "lic", "flow_color", "flow_blur"),
+    *("dog", "fdog", "fdog_iterative", "canny"),
+    *("fbl", "bilateral", "bilateral_oriented", "mean_shift", "quantize"),
+    *("composite", "blur"),
+)
+
 
 def catalogue() -> dict[str, Node]:
-    """Every installed node by type: first those of the package, in its order, then the others by package."""
+    """Return every installed node by type: first those of the package, in reading order, then the others by package."""
     return dict(_load()[0])
 
 
 def load_problems() -> dict[str, str]:
-    """Why nodes of other packages are not in the catalogue, by "package: entry point"."""
+    """Return why nodes of other packages are not in the catalogue, by "package: entry point"."""
     return dict(_load()[1])
 
 
 @cache
+def builtin() -> tuple[Node, ...]:
+    """Return every node that a module of this folder holds, each once, in reading order."""
+    found: dict[str, Node] = {}
+    for module in pkgutil.iter_modules(importlib.import_module(__package__).__path__):  # in a zip and frozen too
+        for value in vars(importlib.import_module(f"{__package__}.{module.name}")).values():
+            if isinstance(value, Node) and found.setdefault(value.type, value) is not value:
+                raise ArgumentError(f"node {value.type!r} is declared a second time, in {__package__}.{module.name}")
+    place = {type: i for i, type in enumerate(READING_ORDER)}
+    return tuple(sorted(found.values(), key=lambda node: place.get(node.type, len(place))))
+
+
+@cache
 def _load() -> tuple[MappingProxyType[str, Node], MappingProxyType[str, str]]:
-    builtin: tuple[Node, ...] = importlib.import_module("flowabs_nodes.nodes.builtin").NODES
-    nodes = {node.type: node for node in builtin}
+    nodes = {node.type: node for node in builtin()}
     owners = dict.fromkeys(nodes, "flowabs-nodes")
     problems: dict[str, str] = {}
     points = entry_points(group=GROUP)
@@ -69,7 +92,7 @@ def _load_nodes(point: EntryPoint) -> tuple[Node, ...]:
 
 
 def faults(node: Node) -> list[str]:
-    """What is wrong with a declaration: port types that there are not, defaults outside their own range."""
+    """Return what is wrong with a declaration: port types that do not exist, defaults outside their own range."""
     found = []
     for port in (*node.inputs, *filter(None, [node.extra_inputs])):
         found += [

@@ -21,9 +21,18 @@ def run_fbl(
     sampling: str,
     space: str,
 ) -> Image:
-    alpha = image.alpha
-    # Not by **: code values that nobody else wants are held by the filter alone, which can let go of them.
-    codes = filters.fbl(image.encoded(space), flow.pixels, sigma_e, r_e, sigma_g, r_g, iterations, sampling, alpha)
+    # By name and not by **: code values that nobody else wants are held by the filter alone, which can let go of them.
+    codes = filters.fbl(
+        image.encoded(space),
+        flow.pixels,
+        sigma_e=sigma_e,
+        r_e=r_e,
+        sigma_g=sigma_g,
+        r_g=r_g,
+        iterations=iterations,
+        sampling=sampling,
+        alpha=image.alpha,
+    )
     return image.with_codes(codes, space)
 
 

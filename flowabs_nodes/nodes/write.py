@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from flowabs_nodes.choices import COMPRESSIONS, DATA_TYPES
 from flowabs_nodes.image import Image
 from flowabs_nodes.io import formats
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
@@ -37,7 +38,7 @@ def run_write(
     metadata: dict[str, str | float],
     **layers: Image,
 ) -> dict[str, Any]:
-    """The picture, ready to save; where it goes (``file``) is the engine's business."""
+    """Return the picture, ready to save, as ``picture``; the engine saves it to ``file``."""
     from flowabs_nodes.io.output_image import build_picture
 
     picture = build_picture(
@@ -68,13 +69,13 @@ WRITE = Node(
         Param.enum(
             "data_type",
             "auto",
-            ("auto", "half", "float", "uint8", "uint16"),
+            DATA_TYPES,
             help="auto: the plate's, else half; flow layers float. PNG: uint8, or uint16 as the plate. TIFF: uint16.",
         ),
         Param.enum(
             "compression",
             "auto",
-            ("auto", "none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab"),
+            COMPRESSIONS,
             help="Of an EXR. auto: the plate's if it is lossless, else zip.",
         ),
         Param.string(

@@ -1,4 +1,4 @@
-"""The compliance suite that every node should pass, ours or a plugin's.
+"""Holds every node, ours or a plugin's, to what all nodes promise: the compliance suite.
 
 ::
 

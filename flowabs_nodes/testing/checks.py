@@ -1,4 +1,4 @@
-"""What is asked of a node, but for its parameters."""
+"""Checks of a node: what all nodes promise, apart from what each parameter has to do."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from flowabs_nodes.array_types import Array
+from flowabs_nodes.choices import SPACES
 from flowabs_nodes.engine.call_node import call_node, call_sink
 from flowabs_nodes.engine.error_boundary import InternalError
 from flowabs_nodes.errors import FlowabsError
@@ -22,6 +23,7 @@ from flowabs_nodes.testing.running import ComplianceError, equal, finite, inputs
 
 
 def is_documented(node: Node) -> None:
+    """Check that node, ports and parameters have a help text, and that defaults and soft ranges are allowed values."""
     extra = (node.extra_inputs,) if node.extra_inputs else ()
     for kind, name, text in (
         ("node", node.name, node.help),
@@ -39,6 +41,7 @@ def is_documented(node: Node) -> None:
 
 
 def runs_with_defaults(node: Node) -> None:
+    """Check that on every scene, with optional inputs and without, outputs are finite and mattes 0 to 1."""
     for scene in SCENES:
         for optional in (True, False):
             for name, image in run_node(node, inputs_of(node, scene, optional=optional)).items():
@@ -49,6 +52,7 @@ def runs_with_defaults(node: Node) -> None:
 
 
 def takes_small_pictures(node: Node) -> None:
+    """Check that outputs are finite on pictures of one pixel, one row and one column."""
     for height, width in ((1, 1), (1, 7), (7, 1), (2, 2)):
         for scene in SCENES:
             for name, image in run_node(node, inputs_of(node, scene, height, width)).items():
@@ -56,6 +60,7 @@ def takes_small_pictures(node: Node) -> None:
 
 
 def takes_every_type(node: Node) -> None:
+    """Check that outputs are finite for each port type that an input declares."""
     for port in node.inputs:
         for kind in (kind for kind in PORT_TYPES if port.takes(kind)):
             changed = {port.name: make_input(kind, "shapes", 20, 24)}
@@ -64,6 +69,7 @@ def takes_every_type(node: Node) -> None:
 
 
 def keeps_windows_and_metadata(node: Node) -> None:
+    """Check that windows, origin, metadata and colour space of the first input are the outputs' too."""
     inputs = inputs_of(node, "alpha")
     if not inputs:
         return
@@ -80,6 +86,7 @@ def keeps_windows_and_metadata(node: Node) -> None:
 
 
 def leaves_inputs_alone(node: Node) -> None:
+    """Check that pixels and code values of the inputs are the same after a run."""
     for scene in SCENES:
         inputs = inputs_of(node, scene)
         before = {name: _content(image) for name, image in inputs.items()}
@@ -90,15 +97,16 @@ def leaves_inputs_alone(node: Node) -> None:
 
 
 def _content(image: Image, copy: bool = True) -> list[Array]:
-    """The pixels, and the code values that all nodes share."""
+    """Return the pixels, and the code values that all nodes share."""
     held = [image.pixels]
     if image.type == "color":
-        for space in ("lab", "acescct"):
+        for space in SPACES:
             held += [image.encoded(space), image.encoded_mono(space), image.encoded(space, ground=1.0)]
     return [np.array(each) for each in held] if copy else held
 
 
 def survives_nan_and_inf(node: Node) -> None:
+    """Check that a NaN or Inf in one pixel is refused with a clean error, or stays in its pixel."""
     for name in inputs_of(node, "shapes"):
         for bad in (np.nan, np.inf, -np.inf):
             inputs = inputs_of(node, "shapes")
@@ -119,6 +127,7 @@ def survives_nan_and_inf(node: Node) -> None:
 
 
 def gives_the_same_again(node: Node) -> None:
+    """Check that an output has the same bits when it is computed again, and alone."""
     for scene in SCENES:
         together = run_node(node, inputs_of(node, scene))
         for name, image in together.items():
@@ -127,6 +136,7 @@ def gives_the_same_again(node: Node) -> None:
 
 
 def same_on_any_number_of_threads(node: Node) -> None:
+    """Check that outputs have the same bits on one thread, two, and all."""
     inputs = partial(inputs_of, node, "noise", 37, 41)
     expected = run_node(node, inputs())
     for count in {1, 2, bands.available_threads()}:
@@ -136,6 +146,7 @@ def same_on_any_number_of_threads(node: Node) -> None:
 
 
 def mixes(node: Node) -> None:
+    """Check that mask and mix give the input at 0, the result at 1, and half of each at 0.5."""
     inputs = inputs_of(node, "alpha")
     image, first = inputs["image"], node.outputs[0].name
     full = run_node(node, inputs)[first]
@@ -153,7 +164,7 @@ def mixes(node: Node) -> None:
 
 
 def reads_or_takes_a_picture(node: Node, param: Param) -> None:
-    """One that reads gives finite images of a small EXR; one that writes takes every type of image, and layers."""
+    """Check that a node that reads gives finite images of a small EXR, or that one that writes takes all types."""
     with tempfile.TemporaryDirectory() as folder:
         context, file = Context(node=node.type, services=Settings()), os.path.join(folder, "picture.exr")
         if param.role == "input":

@@ -1,4 +1,4 @@
-"""Each parameter of a node must count: for the key, and on some picture for the result."""
+"""Checks of a parameter: it changes the key, and on some picture the result."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from flowabs_nodes.nodes.param import Param
 from flowabs_nodes.testing.pictures import SCENES
 from flowabs_nodes.testing.running import ComplianceError, equal, inputs_of, require, run_node
 
-#: What a parameter of its own shape might take.
+#: Values that a custom parameter might take.
 _SHAPES: tuple[Any, ...] = (1.0, 16.0, 0.5, 100, 1, 2, "max", "p50", "other", True, False, [], {}, ["a"], {"a": "b"})
 
 
 def changes_the_key(node: Node, param: Param) -> None:
-    """Every value has a key of its own, unless the parameter is declared to be out of the key."""
+    """Check that every value gives another key than the default, or none does if the parameter is not in the key."""
     defaults = node.defaults()
     before = node_key(node, defaults, {})
     for value in alternatives(param):
@@ -28,7 +28,7 @@ def changes_the_key(node: Node, param: Param) -> None:
 
 
 def changes_the_picture(node: Node, param: Param) -> None:
-    """On some picture, beside some values of the other parameters, some value changes some output."""
+    """Check that on some scene, beside some values of the other parameters, some value changes some output."""
     tried = 0
     for settings in _surroundings(node, param):
         for scene in SCENES:
@@ -54,7 +54,7 @@ def _try(node: Node, inputs: Mapping[str, Image], params: Mapping[str, Any]) -> 
 
 
 def _surroundings(node: Node, param: Param) -> Iterator[dict[str, Any]]:
-    """Values for the other parameters: the defaults, then one of them changed, then two."""
+    """Yield values for the other parameters: the defaults, then one of them changed, then two."""
     others = [other for other in node.params if other.name != param.name and not other.required]
     single = [{other.name: value} for other in others for value in list(alternatives(other))[:3]]
     yield {}
@@ -66,7 +66,7 @@ def _surroundings(node: Node, param: Param) -> Iterator[dict[str, Any]]:
 
 
 def alternatives(param: Param) -> Iterator[Any]:
-    """Values to try beside the default: mild ones first, and none that is wrong or the default itself."""
+    """Yield values to try beside the default: mild ones first, and none that is wrong or the default itself."""
     default = param.default
     guesses: list[Any] = []
     match param.kind:

@@ -1,4 +1,4 @@
-"""Small pictures for the compliance suite: one scene for each thing that a filter may trip over."""
+"""Makes small pictures for the compliance suite: one scene for each thing that a filter may trip over."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ SCENES = ("shapes", "noise", "alpha", "hdr")
 
 
 def make_input(kind: PortType, scene: str, height: int, width: int) -> Image:
-    """An image of a port type, on a data window that is not the display window, with metadata and an origin.
+    """Make an image of a port type, on a data window that is not the display window, with metadata and an origin.
 
     Every image of one size is on the same window, so that they can go into one node.
     """

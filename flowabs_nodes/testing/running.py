@@ -14,11 +14,11 @@ from flowabs_nodes.testing.pictures import make_input
 
 
 class ComplianceError(AssertionError):
-    """A node does not do what every node should."""
+    """Says that a node does not do what every node should."""
 
 
 def require(holds: bool, otherwise: str) -> None:
-    """Raise :class:`ComplianceError` unless it holds."""
+    """Raise :class:`ComplianceError`, with what is ``otherwise`` the case, unless it holds."""
     if not holds:
         raise ComplianceError(otherwise)
 
@@ -26,13 +26,13 @@ def require(holds: bool, otherwise: str) -> None:
 def run_node(
     node: Node, inputs: Mapping[str, Image], params: Mapping[str, Any] | None = None, wanted: str = ""
 ) -> dict[str, Image]:
-    """The node's outputs, all or the one wanted, with defaults for what ``params`` leaves out."""
+    """Return the node's outputs, all or the one wanted, with defaults for what ``params`` leaves out."""
     context = Context(node=node.type, wanted=frozenset({wanted} if wanted else ()))
     return call_node(node, context, inputs, params or {})
 
 
 def inputs_of(node: Node, scene: str, height: int = 20, width: int = 24, optional: bool = True) -> dict[str, Image]:
-    """An image for each declared input but the mask, each of the first type its port takes."""
+    """Make an image for each declared input but the mask, each of the first type its port takes."""
     return {
         port.name: make_input(cast(PortType, port.accepts[0]), scene, height, width)
         for port in node.inputs
@@ -41,10 +41,10 @@ def inputs_of(node: Node, scene: str, height: int = 20, width: int = 24, optiona
 
 
 def equal(a: Image, b: Image) -> bool:
-    """The same type, and the same bits."""
+    """Return True if both images have the same type and the same bits."""
     return a.type == b.type and np.array_equal(a.pixels, b.pixels, equal_nan=True)
 
 
 def finite(image: Image) -> bool:
-    """No NaN and no Inf."""
+    """Return True if the image has neither NaN nor Inf."""
     return bool(np.isfinite(image.pixels).all())

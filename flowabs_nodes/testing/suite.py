@@ -1,4 +1,4 @@
-"""The list of everything to ask of a node."""
+"""Lists all checks of a node, and runs them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from flowabs_nodes.testing.running import ComplianceError, require
 
 @dataclass(frozen=True)
 class Check:
-    """One thing to ask of a node; calling it raises :class:`ComplianceError` where the answer is no."""
+    """Checks one thing of a node: calling it raises :class:`ComplianceError` if the node fails."""
 
     name: str
     run: Callable[[], None]
@@ -24,7 +24,7 @@ class Check:
 
 
 def compliance_checks(node: Node) -> list[Check]:
-    """Everything to ask of ``node``, by name."""
+    """Return all checks of ``node``."""
     found: dict[str, Callable[[], None]] = {"is_documented": partial(checks.is_documented, node)}
     for param in node.all_params.values():
         if param.kind != "file":  # a file counts by its content
@@ -51,7 +51,7 @@ def compliance_checks(node: Node) -> list[Check]:
 
 
 def check_node(node: Node) -> None:
-    """Ask everything of ``node``; one :class:`ComplianceError` names all that is not as it should be."""
+    """Run all checks of ``node``; raise one :class:`ComplianceError` that names every failure."""
     failures = []
     for check in compliance_checks(node):
         try:

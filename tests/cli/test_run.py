@@ -11,8 +11,8 @@ import OpenImageIO as oiio
 import pytest
 
 from flowabs_nodes import cli
-from flowabs_nodes.engine.options import EXISTING, RunOptions
-from flowabs_nodes.io.sequences import MISSING
+from flowabs_nodes.choices import EXISTING, MISSING
+from flowabs_nodes.engine.options import RunOptions
 
 ROOT = Path(__file__).resolve().parents[2]
 

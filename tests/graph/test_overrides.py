@@ -11,12 +11,12 @@ def toon():
 
 def problems(toon, **values):
     with pytest.raises(graph.GraphError) as caught:
-        toon.with_set({name.replace("__", "."): value for name, value in values.items()})
+        graph.override(toon, {name.replace("__", "."): value for name, value in values.items()})
     return [(problem.code, problem.pointer) for problem in caught.value.problems]
 
 
 def test_knobs_and_parameters(toon):
-    changed = toon.with_set({"width": 2, "field.iterations": 7, "toon.ink": [1, 0, 0], "plate.layer": "diffuse"})
+    changed = graph.override(toon, {"width": 2, "field.iterations": 7, "toon.ink": [1, 0, 0], "plate.layer": "diffuse"})
     values = changed.values(1)
     assert values["drawing"]["sigma"] == 2
     assert values["field"]["iterations"] == 7
@@ -27,20 +27,20 @@ def test_knobs_and_parameters(toon):
 
 
 def test_the_document_says_what_was_set(toon):
-    changed = toon.with_set({"width": 2, "soft.sigma": 3})
+    changed = graph.override(toon, {"width": 2, "soft.sigma": 3})
     assert changed.document["interface"]["width"]["default"] == 2
     assert changed.document["nodes"]["soft"]["params"] == {"sigma": 3}
     assert graph.load(changed.document, CATALOGUE).values(1) == changed.values(1)
 
 
 def test_curves_and_knobs_can_be_set_too(toon):
-    changed = toon.with_set({"drawing.sigma": {"curve": {1: 1, 3: 3}}, "soft.sigma": {"from": "width"}})
+    changed = graph.override(toon, {"drawing.sigma": {"curve": {1: 1, 3: 3}}, "soft.sigma": {"from": "width"}})
     assert changed.values(2)["drawing"]["sigma"] == 2
     assert changed.values(2)["soft"]["sigma"] == 1
 
 
 def test_what_a_node_shares_with_others_can_be_set(toon):
-    assert toon.with_set({"soft.mix": 0.25}).values(1)["soft"]["mix"] == 0.25
+    assert graph.override(toon, {"soft.mix": 0.25}).values(1)["soft"]["mix"] == 0.25
 
 
 @pytest.mark.parametrize(
@@ -70,7 +70,7 @@ def test_what_a_node_shares_with_others_can_be_set(toon):
 )
 def test_wrong_settings(toon, name, value, code):
     with pytest.raises(graph.GraphError) as caught:
-        toon.with_set({name: value})
+        graph.override(toon, {name: value})
     (problem,) = caught.value.problems
     assert (problem.code, problem.pointer) == (code, f"--set {name}")
 
@@ -78,7 +78,7 @@ def test_wrong_settings(toon, name, value, code):
 def test_hints(toon):
     for name, hint in (("widht", "'width'"), ("feild.radius", "'field'"), ("field.raduis", "'field.radius'")):
         with pytest.raises(graph.GraphError) as caught:
-            toon.with_set({name: 1})
+            graph.override(toon, {name: 1})
         assert hint in caught.value.problems[0].hint
 
 

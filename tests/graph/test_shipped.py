@@ -27,7 +27,7 @@ def test_each_is_valid_and_described(name):
     assert all(knob.help.endswith(".") for knob in loaded.interface.values())
     for knob in loaded.interface.values():
         for end in (knob.min, knob.max):
-            assert end is None or loaded.with_set({knob.name: end}).values(1)
+            assert end is None or graph.override(loaded, {knob.name: end}).values(1)
 
 
 def test_inside_an_installed_package_the_folder_is_its_own(tmp_path, monkeypatch):

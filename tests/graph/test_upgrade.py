@@ -72,7 +72,7 @@ def test_an_upgraded_graph_needs_no_upgrade():
 
 
 def test_settings_are_those_of_the_newest_version_and_the_note_stays():
-    changed = load("flow@1", size=12).with_set({"field.radius": 4})
+    changed = graph.override(load("flow@1", size=12), {"field.radius": 4})
     assert changed.values(1)["field"]["radius"] == 4
     assert changed.notes == ("field: flow@1 read as flow@3",)
 

@@ -7,9 +7,10 @@ import pytest
 from flowabs_nodes import reference
 from flowabs_nodes.graph.schema import schema
 from flowabs_nodes.nodes import describe
-from flowabs_nodes.nodes.builtin import NODES
+from flowabs_nodes.nodes.registry import builtin
 from tests.graph.fakes import CATALOGUE
 
+NODES = builtin()
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 
 

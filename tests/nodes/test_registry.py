@@ -6,8 +6,8 @@ import pytest
 
 from flowabs_nodes import nodes
 from flowabs_nodes.nodes import registry
-from flowabs_nodes.nodes.builtin import NODES
 
+NODES = registry.builtin()
 PLUGIN = """
 from flowabs_nodes.nodes.declare import Node, Param, Port
 
@@ -52,6 +52,7 @@ def installed(tmp_path, monkeypatch):
 def test_the_nodes_of_the_package_come_first_and_in_their_order():
     assert list(nodes.catalogue().values())[: len(NODES)] == list(NODES)
     assert all(type == node.type for type, node in nodes.catalogue().items())
+    assert tuple(node.type for node in NODES if node.type in registry.READING_ORDER) == registry.READING_ORDER
     assert [fault for node in NODES for fault in registry.faults(node)] == []
 
 

@@ -4,8 +4,9 @@ from typing import Any
 
 import pytest
 
+from flowabs_nodes.choices import COMPRESSIONS, DATA_TYPES
 from flowabs_nodes.image import Image
-from flowabs_nodes.io.output_image import COMPRESSIONS, DATA_TYPES, Picture
+from flowabs_nodes.io.output_image import Picture
 from flowabs_nodes.io.settings import Settings
 from flowabs_nodes.nodes.declare import Context
 from flowabs_nodes.nodes.write import WRITE

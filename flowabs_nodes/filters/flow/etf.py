@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from flowabs_nodes.array_types import Array
+from flowabs_nodes.choices import ETF_KERNELS
 from flowabs_nodes.filters import validate
 from flowabs_nodes.filters.flow import gradient
 from flowabs_nodes.filters.flow.adaptive import kernel_choice, radii
@@ -92,7 +93,7 @@ def etf_and_reference(
     code = validate.plane_or_planes("code", code)
     radius = validate.number("radius", radius, min=0)
     iterations = validate.whole("iterations", iterations, min=0)
-    kernel = validate.choice("kernel", kernel, ("full", "separable"))
+    kernel = validate.choice("kernel", kernel, ETF_KERNELS)
     pre_blur = validate.number("pre_blur", pre_blur, min=0, max=10_000)
     gradient.check_reference(gradient_reference)
     fill = None if fill is None else validate.number("fill", fill, min=0)

@@ -8,10 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from flowabs_nodes.array_types import Array
+from flowabs_nodes.choices import SAMPLINGS
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import gaussian, validate
 from flowabs_nodes.sampling.exact_sums import exact_sum
-from flowabs_nodes.sampling.modes import SAMPLINGS
 from flowabs_nodes.sampling.streamline_tiled import (
     BLOCKS,
     TiledStreamlines,

@@ -9,11 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from flowabs_nodes.array_types import Array
+from flowabs_nodes.choices import FDOG_KERNELS, SAMPLINGS
 from flowabs_nodes.filters import gaussian, validate
 from flowabs_nodes.filters.flow.flow_blur import along, as_planes
 from flowabs_nodes.filters.lines.dog_line import across
 from flowabs_nodes.sampling.exact_sums import exact_sum
-from flowabs_nodes.sampling.modes import SAMPLINGS
 from flowabs_nodes.simd.elementary import LOG2_E, exp2_of_negative
 from flowabs_nodes.simd.jit import kernel
 from flowabs_nodes.simd.lanes import absolute, select, splat_floats, sqrt
@@ -91,7 +91,7 @@ class Detector:
             weights=gaussian.half(sigma_m),
             taps=gaussian.difference(sigma_c, rho),
             color_weight=validate.number("color_weight", color_weight, min=0, max=1e6),
-            full=validate.choice("kernel", kernel, ("separable", "full")) == "full",
+            full=validate.choice("kernel", kernel, FDOG_KERNELS) == "full",
             sampling=validate.choice("sampling", sampling, SAMPLINGS),
         )
 

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from flowabs_nodes.array_types import Array
+from flowabs_nodes.choices import FORMS
 from flowabs_nodes.filters import validate
 from flowabs_nodes.filters.flow.flow_blur import as_planes
 from flowabs_nodes.filters.gaussian_blur import blur
@@ -64,7 +65,7 @@ def fdog_iterative(
     """
     code = validate.plane_or_planes("code", code)
     flow = validate.flow_field(flow, code.shape)
-    is_xdog = validate.choice("form", form, ("paper", "xdog")) == "xdog"
+    is_xdog = validate.choice("form", form, FORMS) == "xdog"
     rho = xdog_rho(p) if is_xdog else rho
     detector = Detector.checked(sigma_m, sigma_c, rho, color_weight, kernel, sampling)
     iterations = validate.whole("iterations", iterations, min=1)

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from flowabs_nodes.array_types import Array
+from flowabs_nodes.choices import BILATERAL_KERNELS
 from flowabs_nodes.filters import gaussian, validate
 from flowabs_nodes.filters.regions.range_weights import range_exponent, spatial_exponents
 from flowabs_nodes.sampling.samples import TINY
@@ -17,8 +18,6 @@ from flowabs_nodes.simd.elementary import exp2_weight
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import LANES, select, splat_floats
 from flowabs_nodes.simd.memory import load, load_triples, store, store_triples
-
-KERNELS = ("full", "xy")
 
 
 def bilateral(
@@ -65,7 +64,11 @@ def bilateral(
     sigma_r = validate.number("sigma_r", sigma_r, above=0)
     iterations = validate.whole("iterations", iterations, min=0)
     radius = gaussian.radius(sigma_d)
-    windows = [(radius, radius)] if validate.choice("kernel", kernel, KERNELS) == "full" else [(radius, 0), (0, radius)]
+    windows = (
+        [(radius, radius)]
+        if validate.choice("kernel", kernel, BILATERAL_KERNELS) == "full"
+        else [(radius, 0), (0, radius)]
+    )
     there = np.ones(codes.shape[:2], np.float32) if alpha is None else validate.plane("alpha", alpha, codes.shape)
 
     height, width, _ = codes.shape

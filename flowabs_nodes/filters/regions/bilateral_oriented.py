@@ -8,15 +8,13 @@ import numpy as np
 import numpy.typing as npt
 
 from flowabs_nodes.array_types import Array
+from flowabs_nodes.choices import ORIENTED_KERNELS, SAMPLINGS
 from flowabs_nodes.filters import validate
 from flowabs_nodes.filters.regions.bilateral_line import line_pass
 from flowabs_nodes.filters.regions.range_weights import partial_coverage, smooth_by_passes
 from flowabs_nodes.sampling.coords import raster_of
-from flowabs_nodes.sampling.modes import SAMPLINGS
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined, kernel
-
-KERNELS = ("line", "arc")
 
 
 def bilateral_oriented(
@@ -78,7 +76,7 @@ def bilateral_oriented(
     sigma_g = validate.number("sigma_g", sigma_g, min=0, max=10_000)
     r_g = validate.number("r_g", r_g, above=0)
     iterations = validate.whole("iterations", iterations, min=0)
-    arc = validate.choice("kernel", kernel, KERNELS) == "arc"
+    arc = validate.choice("kernel", kernel, ORIENTED_KERNELS) == "arc"
     bilinear = validate.choice("sampling", sampling, SAMPLINGS) == "bilinear"
     covered, raster = partial_coverage(alpha, codes), raster_of(codes)
     passes = []

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from flowabs_nodes.array_types import Array
+from flowabs_nodes.choices import SAMPLINGS
 from flowabs_nodes.filters import validate
 from flowabs_nodes.filters.regions.bilateral_line import line_pass
 from flowabs_nodes.filters.regions.range_weights import (
@@ -27,8 +28,13 @@ from flowabs_nodes.filters.regions.range_weights import (
 )
 from flowabs_nodes.sampling.chain_code import decode_offsets, encode_streamlines
 from flowabs_nodes.sampling.coords import Raster, padded_rows, raster_of
-from flowabs_nodes.sampling.modes import SAMPLINGS
-from flowabs_nodes.sampling.samples import locate, new_sample_coords, prefetch_rows, row_below, sample
+from flowabs_nodes.sampling.samples import (
+    locate,
+    new_sample_coords,
+    prefetch_rows,
+    row_below,
+    sample,
+)
 from flowabs_nodes.sampling.streamline import (
     BATCH,
     advance,

@@ -3,10 +3,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from flowabs_nodes.choices import SAMPLINGS
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import flow_blur
 from flowabs_nodes.filters.flow.flow_blur import along
-from flowabs_nodes.sampling.modes import SAMPLINGS
 from tests.filters.flows import THIN, cases, random_flow
 from tests.naive import walk as naive
 

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
+from flowabs_nodes.choices import SAMPLINGS
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import fdog, threshold
-from flowabs_nodes.sampling.modes import SAMPLINGS
 from tests.filters.flows import THIN, cases, large, random_flow
 from tests.naive import fdog as naive
 

@@ -3,9 +3,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from flowabs_nodes.choices import BILATERAL_KERNELS as KERNELS
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import bilateral
-from flowabs_nodes.filters.regions.bilateral import KERNELS
 from tests.filters.flows import THIN, cases
 from tests.naive import bilateral as naive
 

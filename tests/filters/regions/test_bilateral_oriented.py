@@ -1,10 +1,11 @@
 import numpy as np
 import pytest
 
+from flowabs_nodes.choices import ORIENTED_KERNELS as KERNELS
+from flowabs_nodes.choices import SAMPLINGS
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import bilateral_oriented, fbl
-from flowabs_nodes.filters.regions.bilateral_oriented import KERNELS, curvature
-from flowabs_nodes.sampling.modes import SAMPLINGS
+from flowabs_nodes.filters.regions.bilateral_oriented import curvature
 from tests.filters.flows import THIN, cases, random_flow
 from tests.naive import bilateral as naive
 

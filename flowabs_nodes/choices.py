@@ -1,0 +1,156 @@
+"""Every list of words that a parameter or an option chooses from, each list once.
+
+Declarations of nodes, the filters' checks of their arguments, the command line and the JSON Schema all take a list from
+here. A new choice is one more line here, and the code that does what it says. This file imports nothing of the package.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Self
+
+
+class Choices(tuple[str, ...]):
+    """Holds the words of one list, in the order in which they are shown; ``meaning`` says in a line what each does."""
+
+    meaning: Mapping[str, str]
+
+    def __new__(cls, meaning: Mapping[str, str]) -> Self:
+        """Make the list from its words and their meanings."""
+        words = super().__new__(cls, meaning)
+        words.meaning = meaning
+        return words
+
+    def __getnewargs__(self) -> tuple[Mapping[str, str]]:
+        """Let copies and pickles keep the meanings."""
+        return (self.meaning,)
+
+
+# ---------------------------------------------------------------------- filters
+
+#: The encodings of code values.
+SPACES = Choices(
+    {
+        "lab": "CIE Lab, L* x 2.55: differences as the eye sees them",
+        "acescct": "ACEScct, white at 255: every stop counts the same, for HDR",
+    }
+)
+
+#: Where ``composite`` mixes ink and picture.
+MIXING_SPACES = Choices({"linear": "in scene-linear light", **SPACES.meaning})
+
+#: How a picture is read between its pixels, along the flow.
+SAMPLINGS = Choices(
+    {
+        "bilinear": "between the four pixels around a point: smoother",
+        "nearest": "the nearest pixel: crisper and faster",
+    }
+)
+
+#: The kernel of ``etf``.
+ETF_KERNELS = Choices(
+    {
+        "full": "the disc of eq. 2",
+        "separable": "a pass along x, then one along y, in each iteration (section 2.4)",
+    }
+)
+
+#: The kernel of ``fdog`` and ``fdog_iterative``.
+FDOG_KERNELS = Choices(
+    {
+        "separable": "across the flow, then along it: eqs. 10 and 11, fast",
+        "full": "eq. 6, sampled point by point",
+    }
+)
+
+#: Which lines ``dog``, ``fdog`` and ``fdog_iterative`` draw.
+FORMS = Choices(
+    {
+        "paper": "the paper's, eqs. 8 and 9: by rho, tau, contrast and softness",
+        "xdog": "XDoG's, which fade into tone: by p, epsilon and phi",
+    }
+)
+
+#: The neighbours that ``bilateral`` weighs.
+BILATERAL_KERNELS = Choices(
+    {
+        "full": "all neighbours in a square",
+        "xy": "those along x, then those along y: fast, axis-aligned",
+    }
+)
+
+#: The curve that ``bilateral_oriented`` follows.
+ORIENTED_KERNELS = Choices(
+    {
+        "line": "the tangent of the flow",
+        "arc": "a parabola bent like the flow",
+    }
+)
+
+# ---------------------------------------------------------------------- files
+
+#: What the alpha of a file means.
+ALPHAS = Choices(
+    {
+        "auto": "premultiplied, straight in PNG; opaque where it is 0 in every pixel",
+        "ignore": "nothing: the picture is opaque",
+        "premultiplied": "colour is already multiplied by it",
+        "straight": "colour is not yet multiplied by it",
+    }
+)
+
+#: What happens to NaN and Inf in a plate.
+NONFINITE = Choices(
+    {
+        "repair": "they are replaced from their neighbours, and counted",
+        "error": "the frame fails",
+    }
+)
+
+#: What is read in place of a frame that is not there.
+MISSING = Choices(
+    {
+        "error": "nothing: the frame fails",
+        "hold": "the last frame before it",
+        "nearest": "the nearest frame",
+        "black": "black, of the nearest frame's size",
+        "skip": "nothing: the frame is left out",
+    }
+)
+
+#: What happens to an output file that is there already.
+EXISTING = Choices(
+    {
+        "resume": "it stays if it is whole and was made from the same, else it is made again",
+        "overwrite": "it is made again",
+        "error": "the frame fails",
+    }
+)
+
+#: The data type of the channels that are written.
+DATA_TYPES = Choices(
+    {
+        "auto": "the plate's, else half; flow layers float; PNG uint8, TIFF uint16",
+        "half": "16 bit floating point, EXR",
+        "float": "32 bit floating point, EXR and TIFF",
+        "uint8": "8 bit, PNG and TIFF",
+        "uint16": "16 bit, PNG and TIFF",
+    }
+)
+
+#: The compression of an EXR.
+COMPRESSIONS = Choices(
+    {
+        "auto": "the plate's if it is lossless, else zip",
+        "none": "uncompressed",
+        "rle": "run lengths, lossless",
+        "zips": "deflate of single rows, lossless",
+        "zip": "deflate of 16 rows, lossless",
+        "piz": "wavelets, lossless",
+        "pxr24": "deflate, lossless for half; float is rounded to 24 bit",
+        "b44": "4 x 4 blocks, lossy for half",
+        "b44a": "4 x 4 blocks, flat ones smaller; lossy for half",
+        "dwaa": "DCT of 32 rows, lossy",
+        "dwab": "DCT of 256 rows, lossy",
+    }
+)

@@ -1,3 +1,0 @@
-"""How pictures are read along the flow."""
-
-SAMPLINGS = ("bilinear", "nearest")

@@ -1,0 +1,39 @@
+import ast
+import copy
+import pickle
+from pathlib import Path
+
+import pytest
+
+import flowabs_nodes
+from flowabs_nodes import choices
+from flowabs_nodes.choices import Choices
+
+LISTS = {name: value for name, value in vars(choices).items() if isinstance(value, Choices)}
+PACKAGE = Path(flowabs_nodes.__file__).parent
+
+
+@pytest.mark.parametrize("name", LISTS)
+def test_each_word_says_in_a_line_what_it_does(name):
+    words = LISTS[name]
+    assert len(words) >= 2
+    assert tuple(words.meaning) == words
+    assert all(0 < len(meaning) <= 80 for meaning in words.meaning.values())
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda words: pickle.loads(pickle.dumps(words))])
+def test_a_copy_keeps_the_meanings(copied):
+    again = copied(choices.MISSING)
+    assert again == choices.MISSING
+    assert again.meaning == choices.MISSING.meaning
+
+
+def test_no_list_is_written_a_second_time():
+    again = []
+    for path in PACKAGE.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Tuple | ast.List | ast.Set):
+                words = [item.value for item in node.elts if isinstance(item, ast.Constant)]
+                if len(words) == len(node.elts) and any(set(words) == set(each) for each in LISTS.values()):
+                    again.append(f"{path.relative_to(PACKAGE)}:{node.lineno}: {words}")
+    assert again == []
