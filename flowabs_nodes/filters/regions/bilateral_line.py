@@ -28,8 +28,8 @@ from flowabs_nodes.simd.jit import kernel
 from flowabs_nodes.simd.lanes import LANES, to_doubles
 from flowabs_nodes.simd.memory import load, load_pairs, prefetch, scratch
 
-# The sample coordinates of so many blocks of sixteen pixels and so many steps to each side are computed before the first
-# sample is gathered, so that gathers need not wait for each other.
+# The sample coordinates of so many blocks of sixteen pixels, at so many steps to each side, are computed before the
+# first sample is gathered: gathers then need not wait for each other.
 _BLOCKS, _STEPS = 4, 4
 
 
