@@ -47,7 +47,7 @@ def encode(rgb: npt.ArrayLike, space: str = "lab", colorspace: ColorSpace | str 
 
     Notes
     -----
-    :func:`decode` returns colours to within 2e-5 of the largest channel. Exceptions: near black, "acescct" holds steps of
+    :func:`decode` returns colours to within 2e-5 of the largest channel. But near black, "acescct" holds steps of
     1e-9; where one of X, Y, Z is as negative as another is positive, "lab" holds 8e-6 m^(2/3) of the largest channel m.
 
     Raises
