@@ -16,7 +16,7 @@ LINES = np.linspace(0, 1, 48, dtype=np.float32).reshape(6, 8)
 
 
 def with_holes(seed=1):
-    """Premultiplied RGBA; nothing, something and everything there."""
+    """Return premultiplied RGBA with alpha 0, between 0 and 1, and 1."""
     image = picture(alpha=True, seed=seed)
     pixels = image.pixels.copy()
     pixels[..., 3] = np.clip(3 * pixels[..., 3] - 1, 0, 1)
@@ -26,7 +26,7 @@ def with_holes(seed=1):
 
 
 def smoothed(image, space):
-    """As a filter leaves it: code values, here darker ones."""
+    """Return the image as a filter leaves it: as code values, here darker ones."""
     return image.with_codes(image.encoded(space) * np.float32(0.9), space)
 
 
@@ -38,7 +38,7 @@ def node(name, image, **inputs_and_params):
 
 @pytest.fixture
 def conversions(monkeypatch):
-    """The names of conversions, as they happen."""
+    """Record the names of conversions, in order."""
     seen = []
 
     def count(home, name, said):
@@ -67,7 +67,7 @@ def test_without_alpha_code_values_are_the_pixels(space):
 
 
 @pytest.mark.parametrize("space", color.SPACES)
-def test_with_alpha_smoothing_sees_the_colour_and_looking_the_ground_behind(space):
+def test_with_alpha_filtering_sees_the_colour_and_analysis_the_ground_behind(space):
     image = with_holes()
     rgb, a = image.pixels[..., :3], image.pixels[..., 3:]
     bare = np.divide(rgb, a, out=np.zeros_like(rgb), where=a > 0)

@@ -1,6 +1,6 @@
-"""Code values, and where a file's colour space comes from.
+"""Encode pictures as code values, and tell the colour space of a file.
 
-Each name is imported when it is first asked for: this package alone imports neither numba nor OpenImageIO.
+Each name is imported on first use, so that importing this package imports neither numba nor OpenImageIO.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from flowabs_nodes.color.lookup import space
     from flowabs_nodes.color.spaces import ColorSpace
 
+#: The module of each public name.
 _HOMES = {
     "ColorSpace": "spaces",
     "Detected": "detection",
@@ -53,6 +54,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
+    """Import a public name on first use (PEP 562)."""
     if name == "ocio":
         return importlib.import_module(f"{__name__}.ocio")
     if name in _HOMES:

@@ -1,12 +1,13 @@
-"""ACEScct (Academy S-2016-001) of each channel in AP1, in code values, x 255 / ACEScct(1): kernels.
+"""Compiled kernels of ACEScct (Academy S-2016-001) in code values: ACEScct of each AP1 channel, x 255 / ACEScct(1).
 
-Pictures are runs of pixels (:mod:`~flowabs_nodes.simd.pixelwise`); what is not wanted, or not there, is a run of no
-pixels. Each kernel returns whether there is a number that is not finite.
+The kernels take pictures as runs of pixels (:mod:`~flowabs_nodes.simd.pixelwise`), and a run of no pixels for a result
+that is not wanted or a picture that there is not. ``first`` and ``last`` bound blocks of sixteen pixels. Each kernel
+returns whether it met a number that is not finite.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 from flowabs_nodes.color import constants
 from flowabs_nodes.simd.elementary import exp2, log2
@@ -17,7 +18,7 @@ from flowabs_nodes.simd.memory import load_triples, store, store_triples
 from flowabs_nodes.simd.pixelwise import any_nan, first_pixel, zero_or_nan
 from flowabs_nodes.simd.premultiplied import load_rgb_over_ground, store_over
 
-UNIT = 255 / constants.ACESCCT_WHITE  # code values of ACEScct 1.0
+UNIT = 255 / constants.ACESCCT_WHITE  # code values per unit of ACEScct
 X_BREAK = constants.ACESCCT_X_BRK
 Y_BREAK = constants.ACESCCT_Y_BRK * UNIT
 TOE_SLOPE = constants.ACESCCT_A * UNIT
@@ -26,32 +27,34 @@ PER_STOP = UNIT / constants.ACESCCT_SCALE
 WHITE = 255.0
 
 
+class ToAp1(NamedTuple):
+    """Matrices from the RGB of a colour space."""
+
+    channels: Rows  # to AP1, white adapted
+    luminance: Rows  # to XYZ over the white, by way of AP1: the second row gives the AP1 luminance
+
+
 @inlined
 def _code(x: Any) -> Any:
-    # (log2 x + 9.72) / 17.52 of the standard, counted from white: exact there, and as exact near it as float32 is.
+    """Return the code values of sixteen linear AP1 values."""
+    # (log2 x + 9.72) / 17.52 of the standard, counted from white: exact there, and as exact near white as float32 is.
     return select(x > X_BREAK, WHITE + PER_STOP * log2(x), TOE_OFFSET + TOE_SLOPE * x)
 
 
 @inlined
 def _linear(code: Any) -> Any:
+    """Return the linear AP1 values of sixteen code values: the inverse of :func:`_code`."""
     return select(code > Y_BREAK, exp2((code - WHITE) * (1 / PER_STOP)), (code - TOE_OFFSET) * (1 / TOE_SLOPE))
 
 
 @kernel
 def encode(
-    first: int,
-    last: int,
-    pixels: Any,
-    channels: int,
-    ground: float,
-    to_ap1: Rows,
-    to_luminance: Rows,
-    codes: Any,
-    mono: Any,
+    first: int, last: int, pixels: Any, channels: int, ground: float, to_ap1: ToAp1, codes: Any, mono: Any
 ) -> Any:
-    """What is seen of a picture (``premultiplied.seen``) as ACEScct of R, G, B, and of its AP1 luminance.
+    """Encode a picture over its ground: its AP1 channels to ``codes``, its AP1 luminance to ``mono``.
 
-    That is the second row of ``to_luminance``.
+    ``pixels`` is (pixels x channels,) scene-linear; ``ground`` is what
+    :func:`~flowabs_nodes.simd.premultiplied.load_rgb_over_ground` takes.
     """
     total, count = splat_floats(0.0), pixels.size // channels
     for block in range(first, last):
@@ -59,16 +62,16 @@ def encode(
         r, g, b = load_rgb_over_ground(pixels, channels, ground, i)
         total = total + (zero_or_nan(r) + zero_or_nan(g) + zero_or_nan(b))
         if mono.size > 0:
-            store(mono, i, _code(mix_second_row(to_luminance, r, g, b)))
+            store(mono, i, _code(mix_second_row(to_ap1.luminance, r, g, b)))
         if codes.size > 0:
-            r, g, b = mix(to_ap1, r, g, b)
+            r, g, b = mix(to_ap1.channels, r, g, b)
             store_triples(codes, 3 * i, (_code(r), _code(g), _code(b)))
     return any_nan(total)
 
 
 @kernel
 def decode(first: int, last: int, codes: Any, from_ap1: Rows, under: Any, pixels: Any) -> Any:
-    """Turn ACEScct into scene-linear RGB, with the alpha of the picture ``under`` it if there is one."""
+    """Decode ACEScct to scene-linear RGB; with a picture ``under`` it, to RGBA premultiplied by its alpha."""
     total, count = splat_floats(0.0), codes.size // 3
     for block in range(first, last):
         i = first_pixel(block, count)
@@ -80,5 +83,5 @@ def decode(first: int, last: int, codes: Any, from_ap1: Rows, under: Any, pixels
 
 @inlined
 def to_rgb(r: Any, g: Any, b: Any, from_ap1: Rows) -> Any:
-    """Return red, green and blue of code values."""
+    """Return red, green and blue of sixteen pixels of code values."""
     return mix(from_ap1, _linear(r), _linear(g), _linear(b))

@@ -1,4 +1,4 @@
-"""A scene-linear space from the CIE xy of its primaries and white, as EXR files carry them."""
+"""Make a scene-linear space of the CIE xy of its primaries and white, as EXR files carry them, and the reverse."""
 
 from __future__ import annotations
 
@@ -12,25 +12,26 @@ from flowabs_nodes.color.constants import CHROMATICITIES, Matrix
 from flowabs_nodes.color.spaces import KNOWN, SOURCES, ColorSpace
 from flowabs_nodes.errors import ColorError
 
-Pair = Sequence[float]
+Pair = Sequence[float]  # CIE x, y
 
-#: Primaries no further than this from those of a known space are that space's.
+#: Chromaticities whose x and y all differ by no more than this from a known space's are taken for that space.
 TOLERANCE = 1e-3
 
 
 def space_from_chromaticities(r: Pair, g: Pair, b: Pair, w: Pair) -> ColorSpace:
-    """The scene-linear space with these primaries and white, each a CIE (x, y).
+    """Return the scene-linear space with these primaries and white, each a CIE (x, y).
 
-    A known space where all are within 1e-3 of its own; else a new one, called "chromaticities(...)", whose matrix is
-    the normalised primary matrix of SMPTE RP 177 (as ``colour.normalised_primary_matrix``). Imaginary primaries are
-    fine.
+    The result is a known space where all chromaticities are within 1e-3 of that space's. Else it is a new one, called
+    "chromaticities(...)", whose matrix is the normalised primary matrix of SMPTE RP 177 (as
+    ``colour.normalised_primary_matrix``). Imaginary primaries are allowed.
 
     Raises
     ------
     ColorError
-        If they span no colours: not finite, on one line, or a white outside of what has X, Y, Z > 0.
+        If they span no colours: some are not finite, the primaries are on one line, or X, Y or Z of the white is not
+        above 0.
     """
-    # Six decimals: what float32 holds of 0.3127, and what the name says is then exactly what the matrix is made of.
+    # Six decimals: float32, which files hold, is no more exact, and the name then tells exactly what the matrix is of.
     values = tuple(round(float(value), 6) + 0.0 for value in (*r, *g, *b, *w))
     if len(values) != 8 or not all(math.isfinite(value) and abs(value) <= 1e3 for value in values):
         raise ColorError(f"chromaticities {values} are not four pairs of finite numbers", code="bad-chromaticities")
@@ -41,7 +42,7 @@ def space_from_chromaticities(r: Pair, g: Pair, b: Pair, w: Pair) -> ColorSpace:
 
 
 def parse(name: str) -> ColorSpace:
-    """The space called "chromaticities(rx,ry,gx,gy,bx,by,wx,wy)"."""
+    """Return the space called "chromaticities(rx,ry,gx,gy,bx,by,wx,wy)"; raise ColorError for a malformed name."""
     match = re.fullmatch(r"chromaticities\(([^()]*)\)", name)
     try:
         values = [float(word) for word in match[1].split(",")] if match else []
@@ -53,7 +54,7 @@ def parse(name: str) -> ColorSpace:
 
 
 def chromaticities_of(colorspace: ColorSpace) -> tuple[float, ...] | None:
-    """For a file's header: (rx, ry, gx, gy, bx, by, wx, wy); None for a space that only an OCIO config knows."""
+    """Return (rx, ry, gx, gy, bx, by, wx, wy) for a file's header; None for a space that only an OCIO config knows."""
     if colorspace.name in SOURCES:
         return CHROMATICITIES[SOURCES[colorspace.name][0]]
     if colorspace.name.startswith("chromaticities("):
@@ -62,7 +63,7 @@ def chromaticities_of(colorspace: ColorSpace) -> tuple[float, ...] | None:
 
 
 def _primary_matrix(values: tuple[float, ...]) -> Matrix:
-    """RGB to XYZ: the primaries' x, y, z, each scaled so that together they make the white, whose Y is 1."""
+    """Return the matrix from RGB to XYZ: the primaries' x, y, z as columns, scaled to sum to the white of Y = 1."""
     x, y = np.array(values[0::2]), np.array(values[1::2])
     xyz = np.stack([x, y, 1 - x - y])
     primaries, white = xyz[:, :3], xyz[:, 3]

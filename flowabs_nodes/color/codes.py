@@ -1,7 +1,7 @@
-"""Code values: scene-linear RGB in an encoding where diffuse white is 255, and back.
+"""Encode scene-linear RGB as code values, an encoding in which diffuse white is 255, and decode it again.
 
-The paper's parameters only mean something on 0..255, so this is what filters see. Highlights go on above 255, negative
-colours below 0: every finite HDR value has a place and comes back.
+Filters see code values, because the paper's parameters only mean something on 0..255. Highlights continue above 255 and
+negative colours below 0: every finite HDR value has a code value and comes back.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ from flowabs_nodes.simd.known_finite import mark_finite
 from flowabs_nodes.simd.matrix3 import Rows, rows
 from flowabs_nodes.simd.pixelwise import as_picture, as_run, empty_run, over_pixels
 
-NOTHING = np.empty(0, np.float32)
-BARE = -1.0  # no ground at all: colours that are not multiplied by their alpha
+NOTHING = np.empty(0, np.float32)  # the run of pixels of a picture that there is not
+BARE = -1.0  # the "ground" that stands for none: colours are divided by their alpha
 
 
 def encode(rgb: npt.ArrayLike, space: str = "lab", colorspace: ColorSpace | str = "lin_rec709") -> Array:
-    """Scene-linear RGB to code values.
+    """Encode scene-linear RGB as code values.
 
     Parameters
     ----------
@@ -37,10 +37,10 @@ def encode(rgb: npt.ArrayLike, space: str = "lab", colorspace: ColorSpace | str 
         (H, W, 3), any finite numbers; white is 1. Not premultiplied.
     space
         "lab": CIE L*a*b* x 2.55, of XYZ over the space's own white: L* 0..255, a* = b* = 0 on neutrals. The cube root
-        goes on above white, the toe's line below zero; or "acescct": ACEScct of each AP1 channel x 255 / ACEScct(1),
-        26 codes a stop, white adapted to AP1's by Bradford, the line going on below zero.
+        continues above white, the toe's line below zero. Or "acescct": ACEScct of each AP1 channel x 255 / ACEScct(1),
+        26 codes a stop, white adapted to AP1's by Bradford, the line continuing below zero.
     colorspace
-        What RGB is: a :class:`ColorSpace` or its name.
+        The scene-linear space of ``rgb``: a :class:`ColorSpace` or its name.
 
     Returns
     -------
@@ -48,8 +48,8 @@ def encode(rgb: npt.ArrayLike, space: str = "lab", colorspace: ColorSpace | str 
 
     Notes
     -----
-    What comes back is within 2e-5 of the largest channel. Exceptions: near black, "acescct" holds steps of 1e-9; where
-    one of X, Y, Z is as negative as another is positive, "lab" holds 8e-6 m^(2/3) of the largest channel m.
+    :func:`decode` returns colours to within 2e-5 of the largest channel. But near black, "acescct" holds steps of
+    1e-9; where one of X, Y, Z is as negative as another is positive, "lab" holds 8e-6 m^(2/3) of the largest channel m.
 
     Raises
     ------
@@ -67,15 +67,15 @@ def encode(rgb: npt.ArrayLike, space: str = "lab", colorspace: ColorSpace | str 
 
 
 def decode(codes: npt.ArrayLike, space: str = "lab", colorspace: ColorSpace | str = "lin_rec709") -> Array:
-    """Code values back to scene-linear RGB: the inverse of :func:`encode`, with the same parameters and errors.
+    """Decode code values (H, W, 3) to scene-linear RGB (H, W, 3) float32: the inverse of :func:`encode`.
 
-    ``codes`` (H, W, 3); returns (H, W, 3) float32.
+    The parameters and errors are those of :func:`encode`.
     """
     return Codes(_pixels("codes", codes), _checked(space)).decode(find_space(colorspace))
 
 
 def encode_mono(rgb: npt.ArrayLike, space: str = "lab", colorspace: ColorSpace | str = "lin_rec709") -> Array:
-    """Scene-linear RGB to the code value of its lightness, with the parameters and errors of :func:`encode`.
+    """Encode the lightness of scene-linear RGB, with the parameters and errors of :func:`encode`.
 
     Returns (H, W) float32: L* x 2.55, the same bits as ``encode(...)[..., 0]``; or ACEScct of the AP1 luminance (the
     second row of AP1's matrix to XYZ) x 255 / ACEScct(1).
@@ -93,10 +93,11 @@ def encoded(
     codes: bool = True,
     mono: bool = True,
 ) -> tuple[Array, Array]:
-    """Code values of a picture and of its lightness, made in one go; what is not asked for has no pixels.
+    """Return the code values (H, W, 3) of a picture and of its lightness (H, W), float32, from one pass.
 
-    ``pixels`` (H, W, 3), or premultiplied (H, W, 4): then of rgb + (1 - A) ``ground``, with the ground ``BARE`` of
-    rgb / A.
+    ``pixels`` is (H, W, 3), or premultiplied (H, W, 4): then rgb + (1 - A) ``ground`` is encoded, or rgb / A with the
+    ground ``BARE``. With ``codes`` or ``mono`` False, the result not asked for has no pixels. ArgumentError for pixels
+    that are not finite, or that are not once divided by alpha.
     """
     height, width, channels = pixels.shape
     run = as_run(pixels, channels)
@@ -106,7 +107,8 @@ def encoded(
     if space == "lab":
         bad = over_pixels(lab.encode, count, run, channels, float(ground), forward, colors, lightness)
     else:
-        bad = over_pixels(acescct.encode, count, run, channels, float(ground), forward, to_luminance, colors, lightness)
+        matrix_pair = acescct.ToAp1(forward, to_luminance)
+        bad = over_pixels(acescct.encode, count, run, channels, float(ground), matrix_pair, colors, lightness)
     if any(bad):
         refuse_non_finite("rgb", pixels)
         raise ArgumentError("rgb: divided by alpha, there are pixels beyond float32", parameter="rgb")
@@ -118,9 +120,16 @@ def encoded(
 
 @dataclass(frozen=True)
 class Codes:
-    """Code values that a picture can be made of: ``values`` (H, W, 3) in the encoding ``space``.
+    """Code values that a picture can be decoded from.
 
-    ``under``, premultiplied (H, W, 4), is the picture that they are the colours of, if that one has alpha.
+    Attributes
+    ----------
+    values
+        (H, W, 3) float32.
+    space
+        Their encoding, "lab" or "acescct".
+    under
+        The picture whose colours they replace, premultiplied (H, W, 4), where this picture has alpha; else None.
     """
 
     values: Array
@@ -129,13 +138,13 @@ class Codes:
 
     @property
     def codes(self) -> Codes:
-        """These; of a picture with more to be done, those that it begins with."""
+        """Return this object itself, as a ``PixelSource`` (image.py) that only has to be decoded."""
         return self
 
     def decode(self, colorspace: ColorSpace) -> Array:
-        """Return the scene-linear picture (H, W, 3), or premultiplied (H, W, 4) over one that has alpha.
+        """Return the scene-linear picture (H, W, 3), or premultiplied (H, W, 4) with the alpha of ``under``.
 
-        Alpha is that of the picture ``under``; where it is 0, what was there stays.
+        Where alpha is 0, the pixels of ``under`` stay. ArgumentError for code values that are not finite.
         """
         height, width, _ = self.values.shape
         channels = 3 if self.under is None else 4
@@ -149,16 +158,16 @@ class Codes:
 
 
 class Matrices(NamedTuple):
-    """Of a colour space and an encoding: RGB to the encoding's primaries, back, and to XYZ by way of AP1."""
+    """The matrices that encode the RGB of a colour space."""
 
-    forward: Rows
-    backward: Rows
-    to_luminance: Rows  # over the white; its second row is the AP1 luminance
+    forward: Rows  # to XYZ over the white ("lab"), or to AP1 ("acescct")
+    backward: Rows  # the inverse
+    to_luminance: Rows  # to XYZ over the white by way of AP1; the second row gives the AP1 luminance
 
 
 @cache
 def matrices(space: str, colorspace: ColorSpace) -> Matrices:
-    """Return the matrices of an encoding of a colour space."""
+    """Return the matrices of a colour space and an encoding ``space``."""
     matrix = normalised(colorspace) if space == "lab" else to_ap1(colorspace)
     return Matrices(
         rows(matrix),
@@ -168,6 +177,7 @@ def matrices(space: str, colorspace: ColorSpace) -> Matrices:
 
 
 def _checked(space: str) -> str:
+    """Return ``space``, or raise ArgumentError if it is no encoding."""
     if space not in SPACES:
         raise ArgumentError(
             f"space: expected one of {', '.join(map(repr, SPACES))}, found {space!r}",
@@ -178,6 +188,7 @@ def _checked(space: str) -> str:
 
 
 def _pixels(name: str, value: npt.ArrayLike) -> Array:
+    """Return the argument ``name`` as (H, W, 3) float32, or raise ArgumentError; kernels check that it is finite."""
     array = np.asarray(value)
     if array.dtype.kind not in "fiub":
         message = f"{name}: expected real numbers, found dtype {array.dtype}"
@@ -185,5 +196,5 @@ def _pixels(name: str, value: npt.ArrayLike) -> Array:
     if array.ndim != 3 or array.shape[2] != 3 or array.size == 0:
         message = f"{name}: expected shape (H, W, 3) with at least one pixel, found {array.shape}"
         raise ArgumentError(message, parameter=name)
-    with np.errstate(over="ignore"):  # what is too large for float32 becomes Inf, and is counted
+    with np.errstate(over="ignore"):  # numbers too large for float32 become Inf, and are counted
         return np.ascontiguousarray(array, np.float32)

@@ -1,7 +1,7 @@
-"""OCIO configs, by way of OpenImageIO's ColorConfig: which one, and what it makes of pixels.
+"""OCIO configs, by way of OpenImageIO's ColorConfig: find a config, look up its names, convert pixels with it.
 
-``$OCIO`` is never looked at: a run means the same on every machine. A config is asked for by name, or the pinned one
-serves.
+The functions take a config as ``ocio``: a path or an "ocio://..." name, or None for the pinned config. ``$OCIO`` is
+never read, so that a run means the same on every machine.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from flowabs_nodes.errors import ColorError, nearest
 #: cameras.
 PINNED = "ocio://studio-config-v2.2.0_aces-v1.3_ocio-v2.4"
 
-#: Spaces that tie a config to CIE XYZ, whichever it has; with our name of each.
+#: Spaces through which a config is tied to CIE XYZ, the first that it has: its name for the space, and ours.
 _REFERENCES = (
     ("lin_ap0_scene", "lin_ap0_scene"),
     ("ACES2065-1", "lin_ap0_scene"),
@@ -34,10 +34,10 @@ _REFERENCES = (
 
 @cache
 def config(ocio: str | None = None) -> Any:
-    """The ColorConfig of that path or "ocio://..." name; the pinned one for None.
+    """Return the ColorConfig of that path or "ocio://..." name; the pinned one for None.
 
-    Raises ColorError where it cannot be read. OpenImageIO itself would go on with a dozen spaces of its own and only
-    leave a message.
+    Raises ColorError where the config cannot be read: OpenImageIO itself would fall back to a dozen built-in spaces and
+    only leave a message.
     """
     name = ocio or PINNED
     found = oiio.ColorConfig(name)
@@ -52,17 +52,17 @@ def config(ocio: str | None = None) -> Any:
 
 
 def has(name: str, ocio: str | None = None) -> bool:
-    """True if the config knows that name, alias or role."""
+    """Return whether the config knows a name, alias or role."""
     return bool(config(ocio).getColorSpaceIndex(name) >= 0)
 
 
 def canonical(name: str, ocio: str | None = None) -> str:
-    """The config's own name for a space, alias or role."""
+    """Return the config's own name for a space, alias or role."""
     return str(config(ocio).resolve(name))
 
 
 def names(ocio: str | None = None) -> list[str]:
-    """Every name and alias of the config, for hints."""
+    """Return every name and alias of the config, for hints."""
     found = config(ocio)
     spaces = [str(space) for space in found.getColorSpaceNames()]
     return [*spaces, *(str(alias) for space in spaces for alias in found.getAliases(space))]
@@ -70,7 +70,7 @@ def names(ocio: str | None = None) -> list[str]:
 
 @cache
 def reference(ocio: str | None = None) -> tuple[str, str]:
-    """A scene-linear space of the config whose primaries are known here: (its name in the config, our name)."""
+    """Return a scene-linear space of the config whose primaries are known here: its name in the config, and ours."""
     for theirs, ours in _REFERENCES:
         if has(theirs, ocio):
             return theirs, ours
@@ -81,8 +81,8 @@ def reference(ocio: str | None = None) -> tuple[str, str]:
 
 
 def convert(pixels: Array, source: str, target: str, ocio: str | None = None) -> Array:
-    """(H, W, 3 or 4) float32 from one space of the config to another; alpha stays, nothing is unpremultiplied."""
-    config(ocio)  # a config that cannot be read must not become another one
+    """Convert (H, W, 3 or 4) float32 between spaces of the config; alpha stays, nothing is unpremultiplied."""
+    config(ocio)  # raises for a config that cannot be read, in whose place OpenImageIO would use another
     buf = oiio.ImageBuf(np.ascontiguousarray(pixels, np.float32))
     result = oiio.ImageBufAlgo.colorconvert(buf, source, target, unpremult=False, colorconfig=ocio or PINNED)
     if result.has_error:
@@ -92,7 +92,7 @@ def convert(pixels: Array, source: str, target: str, ocio: str | None = None) ->
 
 
 def said(geterror: Callable[[], str]) -> str:
-    """OpenImageIO's message; it may hold bytes that are no UTF-8, and asking then raises."""
+    """Return OpenImageIO's message, also where it holds bytes that are no UTF-8, which makes ``geterror`` raise."""
     try:
         return str(geterror())
     except UnicodeDecodeError:
@@ -100,6 +100,6 @@ def said(geterror: Callable[[], str]) -> str:
 
 
 def hint(name: str, known: list[str]) -> str:
-    """The nearest of many names; of too many to list, none."""
+    """Return a hint with the nearest of the ``known`` names, or "" where none is near: they are too many to list."""
     text = nearest(name, known)
     return text if text.startswith("did you mean") else ""

@@ -1,7 +1,7 @@
-"""Every number that comes from colour-science, ready made, so that nobody has to import it (it takes about a second).
+"""Every number that comes from colour-science, written out, because importing colour-science takes about a second.
 
-``python -m flowabs_nodes.color.constants`` asks the installed colour-science again and prints what differs; a test does
-the same.
+``python -m flowabs_nodes.color.constants`` compares them with the installed colour-science and prints differences; a
+test does the same.
 """
 
 from __future__ import annotations
@@ -113,7 +113,7 @@ LAB_KAPPA: Final = 24389 / 27
 
 
 def differences() -> list[str]:
-    """Where these numbers are not those of the installed colour-science (by more than 1e-12); empty if nowhere."""
+    """Return a line for each number that differs by more than 1e-12 from the installed colour-science's."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # about optional packages
         import colour

@@ -1,4 +1,4 @@
-"""Where the colour space of a file comes from: parameter, tag, chromaticities, then linear Rec.709."""
+"""Detect the colour space of a file: from a parameter, a tag, chromaticities, else linear Rec.709."""
 
 from __future__ import annotations
 
@@ -14,15 +14,22 @@ from flowabs_nodes.color.named import find
 from flowabs_nodes.color.spaces import ColorSpace
 from flowabs_nodes.errors import ColorError
 
-#: Before 3.1, OpenImageIO calls the colours of nearly every EXR "lin_rec709", whatever its header says.
+#: Before 3.1, OpenImageIO tags nearly every EXR "lin_rec709", whatever its header says.
 _OIIO_INVENTS_TAGS = oiio.VERSION < 30100
 
 
 class Detected(NamedTuple):
-    """The scene-linear space to work in, where it came from, and what to linearise from.
+    """The colour space of a file.
 
-    ``how`` is for the log: "chromaticities: lin_ap0_scene". ``encoding`` is the OCIO name that the file's pixels are
-    encoded in (:func:`flowabs_nodes.color.ocio.linearize`), None where they are scene-linear already.
+    Attributes
+    ----------
+    space
+        The scene-linear space to work in.
+    how
+        Where the space was found, for the log: "chromaticities: lin_ap0_scene".
+    encoding
+        The OCIO name of the encoding of the file's pixels (:func:`flowabs_nodes.color.ocio.linearize`); None where they
+        are scene-linear already.
     """
 
     space: ColorSpace
@@ -39,29 +46,29 @@ def detect(
     display_referred: bool = False,
     said_by: str = "given",
 ) -> Detected:
-    """The colour space of a file with this header.
+    """Return the colour space of a file with this header.
 
     Parameters
     ----------
     spec
         The header.
     given
-        What somebody says it is: any OCIO name; "auto" asks the header.
+        The space or OCIO name that a user gives, which then counts; "auto" asks the header.
     ocio
         The OCIO config that names are looked up in; None is the pinned one.
     default
-        The scene-linear space of a file that says nothing.
+        The scene-linear space of a file whose header names none.
     display_referred
-        True for pictures of a kind that is meant to be looked at (PNG, JPEG, TIFF of whole numbers): sRGB unless they
-        say else.
+        Whether the file format is one of photographs (PNG, JPEG, TIFF of whole numbers): sRGB unless the header names
+        another space.
     said_by
         Who says ``given``, for ``how``: the header's own field, where a file format has one.
 
     Raises
     ------
     ColorError
-        If ``given`` or ``default`` is no colour space, or the config cannot be read. Never for what stands in a file:
-        a tag or chromaticities that mean nothing are passed over, and ``how`` says so.
+        If ``given`` or ``default`` is no colour space, or the config cannot be read. Never for the contents of a
+        header: a tag or chromaticities that mean nothing are passed over, and ``how`` says so.
     """
     if ocio is not None:
         config(ocio)
@@ -101,6 +108,7 @@ def detect(
 
 
 def _named(name: str, source: str, fallback: ColorSpace, ocio: str | None) -> Detected:
+    """Return the space called ``name``, which was found in ``source`` (for the log); ``fallback`` for data."""
     found = find(name, ocio)
     if found.kind == "linear":
         return Detected(found.space, f"{source}: {name}")
@@ -110,7 +118,7 @@ def _named(name: str, source: str, fallback: ColorSpace, ocio: str | None) -> De
 
 
 def _text(spec: oiio.ImageSpec, name: str) -> str:
-    """A text attribute; empty where it is missing, something else, or no UTF-8."""
+    """Return a text attribute; "" where it is missing, no text, or no UTF-8."""
     try:
         value = spec.getattribute(name)
     except UnicodeDecodeError:

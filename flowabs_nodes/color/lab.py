@@ -1,10 +1,11 @@
-"""CIE 1976 L*a*b* (CIE 15:2004) in code values, x 2.55: kernels.
+"""Compiled kernels of CIE 1976 L*a*b* (CIE 15:2004) in code values: L*, a*, b* times 2.55.
 
 The kernels work with g = f - 16/116 instead of CIE's f: then L* = 116 g(Y), the toe is g = kappa/116 x without an
 offset to cancel against, and black, tiny and negative values keep all their digits.
 
-Pictures are runs of pixels (:mod:`~flowabs_nodes.simd.pixelwise`); what is not wanted, or not there, is a run of no
-pixels. Each kernel returns whether there is a number that is not finite.
+They take pictures as runs of pixels (:mod:`~flowabs_nodes.simd.pixelwise`), and a run of no pixels for a result that is
+not wanted or a picture that there is not. ``first`` and ``last`` bound blocks of sixteen pixels. Each kernel returns
+whether it met a number that is not finite. Matrices from and to XYZ are over the white of the space.
 """
 
 from __future__ import annotations
@@ -24,14 +25,14 @@ EPSILON = constants.LAB_EPSILON
 SLOPE = constants.LAB_KAPPA / 116
 OFFSET = 16 / 116
 G_EPSILON = 6 / 29 - 16 / 116  # g(EPSILON)
-L = 2.55 * 116
+L = 2.55 * 116  # code values per unit of g: L* = 116 g(Y), a* = 500 (g(X) - g(Y)), b* = 200 (g(Y) - g(Z))
 A = 2.55 * 500
 B = 2.55 * 200
 
 
 @inlined
 def g_of(x: Any) -> Any:
-    """Return f(x) - 16/116 of X, Y or Z over the white's."""
+    """Return g = f(x) - 16/116 of sixteen values of X, Y or Z over the white's."""
     return select(x > EPSILON, cube_root(x) - OFFSET, SLOPE * x)
 
 
@@ -46,9 +47,10 @@ def g_inverse(g: Any) -> Any:
 def encode(
     first: int, last: int, pixels: Any, channels: int, ground: float, to_xyz: Rows, codes: Any, mono: Any
 ) -> Any:
-    """Turn a picture over its ground (``load_rgb_over_ground``) into L*, a*, b*, and into L* alone.
+    """Encode a picture over its ground: L*, a*, b* to ``codes``, L* alone to ``mono``.
 
-    ``to_xyz`` is over the white.
+    ``pixels`` is (pixels x channels,) scene-linear; ``ground`` is what
+    :func:`~flowabs_nodes.simd.premultiplied.load_rgb_over_ground` takes.
     """
     total, count = splat_floats(0.0), pixels.size // channels
     for block in range(first, last):
@@ -66,10 +68,7 @@ def encode(
 
 @kernel
 def decode(first: int, last: int, codes: Any, from_xyz: Rows, under: Any, pixels: Any) -> Any:
-    """Turn L*, a*, b* into scene-linear RGB, with the alpha of the picture ``under`` them if there is one.
-
-    ``from_xyz`` takes XYZ over the white.
-    """
+    """Decode L*, a*, b* to scene-linear RGB; with a picture ``under`` them, to RGBA premultiplied by its alpha."""
     total, count = splat_floats(0.0), codes.size // 3
     for block in range(first, last):
         i = first_pixel(block, count)
@@ -81,6 +80,6 @@ def decode(first: int, last: int, codes: Any, from_xyz: Rows, under: Any, pixels
 
 @inlined
 def to_rgb(lightness: Any, a: Any, b: Any, from_xyz: Rows) -> Any:
-    """Return red, green and blue of code values L*, a*, b*."""
+    """Return red, green and blue of sixteen pixels of code values L*, a*, b*."""
     gy = lightness * (1 / L)
     return mix(from_xyz, g_inverse(gy + a * (1 / A)), g_inverse(gy), g_inverse(gy - b * (1 / B)))

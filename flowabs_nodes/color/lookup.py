@@ -1,4 +1,4 @@
-"""A scene-linear space by whatever name somebody has for it."""
+"""Find a scene-linear space by any of its names."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from flowabs_nodes.errors import ColorError, nearest
 
 
 def space(value: ColorSpace | str, ocio: str | None = None) -> ColorSpace:
-    """The scene-linear space of that name.
+    """Return the scene-linear space of a name.
 
     Parameters
     ----------
@@ -15,12 +15,13 @@ def space(value: ColorSpace | str, ocio: str | None = None) -> ColorSpace:
         A :class:`ColorSpace` (returned as it is), a known name or alias (any case), "chromaticities(...)", or any
         scene-linear space of the OCIO config.
     ocio
-        An OCIO config; names then mean what they mean there. None is the pinned one.
+        The OCIO config that names are looked up in, before the known names but for the Color Interop Forum's, which
+        mean the same in every config. None is the pinned one.
 
     Raises
     ------
     ColorError
-        If there is no such space, or it is not scene-linear; with the nearest name.
+        If there is no such space, or it is not scene-linear. The hint is the nearest name.
     """
     if isinstance(value, ColorSpace):
         return value

@@ -1,4 +1,4 @@
-"""What an OCIO name means: a scene-linear space, an encoding of one, or data. Found by sending colours through it."""
+"""Find out what an OCIO name means, a scene-linear space, an encoding of one, or data, by converting test colours."""
 
 from __future__ import annotations
 
@@ -23,23 +23,27 @@ SRGB_NAMES = frozenset(
 )
 #: Names of the log of scanned film, where the config has none of its own: Nuke's, and OpenImageIO's for a DPX.
 CINEON_NAMES = frozenset(("cineon", "kodaklog"))
-#: Names that say that numbers are no colour.
+#: Names of data that is no colour, in lower case.
 DATA_NAMES = frozenset(("data", "raw", "none", "utility - raw", "non-color"))
 
 
 @dataclass(frozen=True)
 class Named:
-    """A colour space of a config; ``space`` is the scene-linear one that its colours are brought to."""
+    """The meaning of a name in a config."""
 
-    name: str
+    name: str  # the config's own name
     kind: Literal["linear", "srgb", "cineon", "encoded", "data"]
-    space: ColorSpace
+    space: ColorSpace  # the scene-linear space that its colours are brought to
 
 
 def find(name: str, ocio: str | None = None) -> Named:
-    """What ``name`` means in the config (the pinned one for None). ColorError, with the nearest name, if nothing."""
+    """Return the meaning of ``name`` in the config (the pinned one for None).
+
+    Raises ColorError for a name that the config does not know, with the nearest name, and for a config that cannot be
+    read.
+    """
     if ocio is not None:
-        config.config(ocio)  # one that cannot be read is an error, whether the name needs it or not
+        config.config(ocio)  # raises for a config that cannot be read, also where the name does not need one
     if name.startswith("chromaticities("):
         return Named(name, "linear", chromaticities.parse(name))
     if len(name) > 200:
@@ -65,18 +69,19 @@ def find(name: str, ocio: str | None = None) -> Named:
     return _measured(config.canonical(theirs, ocio), ocio)
 
 
-# Colours to send through: single channels and sums for linearity; a ramp of neutrals; one channel raised at a time.
+# Test colours: single channels and sums, for linearity; a ramp of neutrals; neutrals with one channel raised.
 _STEPS = (-0.5, 0.18, 1.0, 8.0)
 _SINGLE = np.concatenate([step * np.eye(3) for step in _STEPS])
 _SUMS = np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 1.0], [0.2, 0.5, 0.9]])
 _RAMP = np.linspace(0, 1, 41)
-_LOW, _HIGH = 12, (20, 28)  # places on the ramp: 0.3; 0.5 and 0.7
+_LOW, _HIGH = 12, (20, 28)  # indices of 0.3, and of 0.5 and 0.7, on the ramp
 _RAISED = np.concatenate([_RAMP[_LOW] + (_RAMP[high] - _RAMP[_LOW]) * np.eye(3) for high in _HIGH])
 _PROBES = np.concatenate([_SINGLE, _SUMS, np.repeat(_RAMP[:, None], 3, axis=1), _RAISED])
 
 
 @cache
 def _measured(name: str, ocio: str | None) -> Named:
+    """Return the meaning of a config's own name, from how the config converts the test colours to a linear space."""
     theirs, ours = config.reference(ocio)
     sent = config.convert(_PROBES[None].astype(np.float32), name, theirs, ocio)[0].astype(np.float64)
     single, sums, ramp, raised = np.split(sent, np.cumsum([len(_SINGLE), len(_SUMS), len(_RAMP)]))
@@ -86,12 +91,12 @@ def _measured(name: str, ocio: str | None) -> Named:
         expected = np.concatenate([_SINGLE, _SUMS]) @ matrix.T
     if np.allclose(np.concatenate([single, sums]), expected, atol=1e-5, rtol=1e-5):
         if np.allclose(matrix, np.eye(3), atol=1e-6) and name != config.canonical(theirs, ocio):
-            return Named(name, "data", KNOWN["lin_rec709"])  # OCIO leaves data alone
+            return Named(name, "data", KNOWN["lin_rec709"])  # OCIO does not convert data
         if np.allclose(matrix.sum(axis=1), 1, atol=1e-3):
             return Named(name, "linear", _known(matrix, ours, 1e-4) or ColorSpace(name, _to_xyz(matrix, ours)))
         return Named(name, "encoded", KNOWN["lin_ap0_scene"])  # white is not R = G = B: CIE XYZ
 
-    # A curve on each channel, then a matrix: raising one channel shows one column of it, whatever the curve.
+    # A curve on each channel, then a matrix: raising one channel gives one column of the matrix, whatever the curve.
     with np.errstate(all="ignore"):  # a curve may be flat here, or end in Inf
         rises = [(raised[3 * i : 3 * i + 3] - ramp[_LOW]).T / (ramp[high] - ramp[_LOW]) for i, high in enumerate(_HIGH)]
     space = None
@@ -103,7 +108,7 @@ def _measured(name: str, ocio: str | None) -> Named:
 
 
 def _known(matrix: Float64, reference: str, tolerance: float) -> ColorSpace | None:
-    """The known space with this matrix to the reference."""
+    """Return the known space with this matrix to the space ``reference``, or None."""
     for space in KNOWN.values():
         if np.allclose(matrix, between(space, KNOWN[reference]), atol=tolerance, rtol=0):
             return space
@@ -111,5 +116,6 @@ def _known(matrix: Float64, reference: str, tolerance: float) -> ColorSpace | No
 
 
 def _to_xyz(matrix: Float64, reference: str) -> Matrix:
+    """Return the matrix to XYZ of a space with this matrix to the space ``reference``."""
     m = (np.array(KNOWN[reference].to_xyz).reshape(3, 3) @ matrix).ravel().tolist()
     return (m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8])

@@ -1,4 +1,4 @@
-"""Pixels from and to colour spaces that are not linear, by their OCIO names: display sRGB, ACEScct, camera logs ..."""
+"""Convert pixels from and to encodings by their OCIO names: display sRGB, ACEScct, camera logs ..."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from flowabs_nodes.errors import ArgumentError
 
 
 def linearize(pixels: Array, name: str, ocio: str | None = None) -> tuple[Array, ColorSpace]:
-    """Encoded pixels to scene-linear.
+    """Decode pixels of an OCIO encoding to scene-linear.
 
     Parameters
     ----------
     pixels
-        (H, W, 3 or 4) float32; alpha stays as it is, and colour is taken as not premultiplied.
+        (H, W, 3 or 4) float32, not premultiplied; alpha stays as it is.
     name
-        What the pixels are encoded in: an OCIO name, alias or role; "cineon" is known in every config.
+        The encoding of the pixels: an OCIO name, alias or role; "cineon" is known in every config.
     ocio
         An OCIO config (a path, or "ocio://..."); None is the pinned one.
 
     Returns
     -------
-    The pixels, and their scene-linear space: the known one with the encoding's own primaries (sRGB and Cineon to linear
-    Rec.709, ACEScct to AP1), else ACES2065-1. A space that is linear already is left as it is; "raw" counts as linear
-    Rec.709.
+    The pixels, of the same shape, and their scene-linear space: the known space with the encoding's own primaries (sRGB
+    and Cineon become linear Rec.709, ACEScct becomes AP1), else ACES2065-1. Pixels of a linear space stay as they are;
+    "raw" counts as linear Rec.709.
 
     Raises
     ------
@@ -47,10 +47,11 @@ def linearize(pixels: Array, name: str, ocio: str | None = None) -> tuple[Array,
 
 
 def encode_named(rgb: Array, colorspace: ColorSpace, name: str, ocio: str | None = None) -> Array:
-    """Scene-linear pixels of ``colorspace`` in the encoding ``name``: the inverse of :func:`linearize`.
+    """Encode scene-linear pixels of ``colorspace`` as the OCIO encoding ``name``: the inverse of :func:`linearize`.
 
-    ``rgb`` (H, W, 3 or 4) float32, not premultiplied; returns the same shape. A linear name only changes primaries,
-    white to white by Bradford; "raw" changes nothing. Nothing is clamped. Raises ColorError as :func:`linearize`.
+    ``rgb`` is (H, W, 3 or 4) float32, not premultiplied, and the result has the same shape. A linear name only changes
+    primaries, white to white by Bradford; "raw" changes nothing. Nothing is clamped. Raises ColorError as
+    :func:`linearize` does.
     """
     linear, alpha = _split(rgb)
     found = find(name, ocio)
@@ -69,6 +70,7 @@ def encode_named(rgb: Array, colorspace: ColorSpace, name: str, ocio: str | None
 
 
 def _split(pixels: Array) -> tuple[Array, Array | None]:
+    """Return colour (H, W, 3) and alpha (H, W, 1) or None; raise ArgumentError for another shape."""
     pixels = np.asarray(pixels, np.float32)
     if pixels.ndim != 3 or pixels.shape[2] not in (3, 4):
         raise ArgumentError(f"pixels: expected shape (H, W, 3) or (H, W, 4), found {pixels.shape}", parameter="pixels")
@@ -76,4 +78,5 @@ def _split(pixels: Array) -> tuple[Array, Array | None]:
 
 
 def _joined(rgb: Array, alpha: Array | None) -> Array:
+    """Return colour and alpha, if there is one, as one array: the inverse of :func:`_split`."""
     return np.ascontiguousarray(rgb if alpha is None else np.concatenate([rgb, alpha], axis=2))

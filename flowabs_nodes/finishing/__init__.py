@@ -1,1 +1,1 @@
-"""The last steps of a picture, each pixel on its own: quantise, decode and ink in one pass."""
+"""Finishing: decode, quantise and ink each pixel of a picture, in one pass where that is possible."""

@@ -1,4 +1,4 @@
-"""Pictures whose last steps are noted down, to be done with the decoding in one pass once somebody asks for pixels."""
+"""Pictures with deferred per-pixel operations, done in one pass with the decoding when pixels are asked for."""
 
 from __future__ import annotations
 
@@ -14,18 +14,24 @@ from flowabs_nodes.image import PixelSource
 
 @dataclass(frozen=True)
 class Deferred:
-    """Code values, and the operations on the pixels that they decode to."""
+    """Code values, and the operations that are to be done on the pixels they decode to: a ``PixelSource``."""
 
     codes: Codes
     operations: tuple[Operation, ...]
 
     def decode(self, colorspace: ColorSpace) -> Array:
-        """Return the finished picture: (H, W, 3), or premultiplied (H, W, 4) where the codes have alpha under them."""
+        """Return the finished scene-linear picture: (H, W, 3), or premultiplied (H, W, 4) if ``codes.under`` has alpha.
+
+        It is float32, in ``colorspace``. ArgumentError for code values that are not finite.
+        """
         return finish(self.codes, self.operations, colorspace)
 
 
 def then(source: PixelSource | None, operation: Operation) -> Deferred | None:
-    """Return ``source`` with one more operation to be done; None if the kernel cannot do that one in the same pass."""
+    """Return ``source`` with one more deferred operation, or None if the fused kernel cannot do all of them in a pass.
+
+    None also for a ``source`` of None: an image whose pixels are there already.
+    """
     if source is None:
         return None
     operations = (*(source.operations if isinstance(source, Deferred) else ()), operation)

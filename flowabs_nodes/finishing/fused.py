@@ -1,8 +1,13 @@
-"""Decoding, quantisation and ink in one pass over the pixels, each of which is read and written once."""
+"""Fused decode, quantise and ink: one pass in which each pixel is read and written once.
+
+The kernels take pictures as runs of pixels (:mod:`~flowabs_nodes.simd.pixelwise`), and a run of no pixels where there
+is no such picture: codes (pixels x 3), ``under`` (pixels x 4, premultiplied RGBA), lines (pixels). ``first`` and
+``last`` bound blocks of sixteen pixels. Each kernel returns whether it met a number that is not finite.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.color import acescct, lab
@@ -24,30 +29,43 @@ _NO_STEPS: Steps = (0.0, 0.0)
 _NO_INK: InkColor = (0.0, 0.0, 0.0, 0.0)
 
 
-def finish(codes: Codes, operations: tuple[Operation, ...], colorspace: ColorSpace) -> Array:
-    """Decode code values and do ``operations`` on the pixels.
+class Drawing(NamedTuple):
+    """Lines and their ink, as one argument of a kernel."""
 
-    Returns the scene-linear picture (H, W, 3), or premultiplied (H, W, 4) where ``codes`` have alpha under them.
+    lines: Any  # a run, 1 paper and 0 ink; no pixels where there is no ink
+    ink: InkColor
+
+
+def finish(codes: Codes, operations: tuple[Operation, ...], colorspace: ColorSpace) -> Array:
+    """Return the picture that code values decode to in ``colorspace``, with ``operations`` done on its pixels.
+
+    The result is scene-linear float32, (H, W, 3), or premultiplied (H, W, 4) if ``codes.under`` has alpha. The
+    operations must be ones that :func:`~flowabs_nodes.finishing.operations.fused_together` accepts. ArgumentError for
+    code values that are not finite.
     """
     quantize, ink = split(operations)
     height, width, _ = codes.values.shape
     channels = 3 if codes.under is None else 4
     run, below = as_run(codes.values, 3), NOTHING if codes.under is None else as_run(codes.under, 4)
-    lines, color = (NOTHING, _NO_INK) if ink is None else (as_run(ink.lines), (*ink.color, ink.opacity))
+    drawing = Drawing(NOTHING, _NO_INK) if ink is None else Drawing(as_run(ink.lines), (*ink.color, ink.opacity))
     count = run.size // 3
     pixels, backward = empty_run(count, channels), matrices(codes.space, colorspace).backward
     if codes.space == "lab":
         steps = _NO_STEPS if quantize is None else (quantize.levels / 100, quantize.softness)
-        bad = over_pixels(_finish_lab, count, run, backward, steps, below, lines, color, pixels)
+        bad = over_pixels(_finish_lab, count, run, backward, steps, below, drawing, pixels)
     else:
-        bad = over_pixels(_finish_acescct, count, run, backward, below, lines, color, pixels)
+        bad = over_pixels(_finish_acescct, count, run, backward, below, drawing, pixels)
     if any(bad):
         refuse_non_finite("codes", codes.values)
     return mark_finite(as_picture(pixels, height, width, channels))
 
 
 def quantized(pixels: Array, levels: int, softness: float, colorspace: ColorSpace) -> Array:
-    """Return a scene-linear picture, (H, W, 3) or premultiplied (H, W, 4), with L* quantised by a gain on RGB."""
+    """Return a scene-linear picture with L* quantised by a gain on RGB, as ``Quantize`` says.
+
+    ``pixels`` is (H, W, 3) or premultiplied (H, W, 4) float32; the result has the same shape. ArgumentError for pixels
+    that are not finite.
+    """
     channels = pixels.shape[2]
     run = as_run(pixels, channels)
     count = run.size // channels
@@ -59,9 +77,10 @@ def quantized(pixels: Array, levels: int, softness: float, colorspace: ColorSpac
 
 @kernel
 def _finish_lab(
-    first: int, last: int, codes: Any, from_xyz: Rows, steps: Steps, under: Any, lines: Any, ink: InkColor, pixels: Any
+    first: int, last: int, codes: Any, from_xyz: Rows, steps: Steps, under: Any, drawing: Drawing, pixels: Any
 ) -> Any:
-    """Decode L*, a*, b*; quantise unless there are 0 steps per L*; then alpha and ink, where there are such runs."""
+    """Decode L*, a*, b*, quantise unless ``steps`` are 0 bins per L*, then apply alpha and ink."""
+    lines, ink = drawing
     total, count = splat_floats(0.0), codes.size // 3
     for block in range(first, last):
         i = first_pixel(block, count)
@@ -77,9 +96,10 @@ def _finish_lab(
 
 @kernel
 def _finish_acescct(
-    first: int, last: int, codes: Any, from_ap1: Rows, under: Any, lines: Any, ink: InkColor, pixels: Any
+    first: int, last: int, codes: Any, from_ap1: Rows, under: Any, drawing: Drawing, pixels: Any
 ) -> Any:
-    """Decode ACEScct; then alpha and ink, where there are such runs."""
+    """Decode ACEScct, then apply alpha and ink."""
+    lines, ink = drawing
     total, count = splat_floats(0.0), codes.size // 3
     for block in range(first, last):
         i = first_pixel(block, count)
@@ -92,7 +112,7 @@ def _finish_acescct(
 
 @inlined
 def _store_inked(r: Any, g: Any, b: Any, under: Any, lines: Any, ink: InkColor, pixels: Any, i: int) -> None:
-    """Write pixels with the alpha of the picture ``under`` them, if there is one, and ink where there are lines."""
+    """Write sixteen pixels from the i-th on, premultiplied by ``under``'s alpha and inked, if there are such runs."""
     a = splat_floats(1.0)
     if under.size > 0:
         r, g, b, a = premultiplied_over(r, g, b, under, i)
@@ -106,7 +126,7 @@ def _store_inked(r: Any, g: Any, b: Any, under: Any, lines: Any, ink: InkColor, 
 
 @kernel
 def _quantize(first: int, last: int, pixels: Any, channels: int, to_xyz: Rows, steps: Steps, flat: Any) -> Any:
-    """Quantise a picture; alpha, and colours where it is 0, as they were."""
+    """Quantise a picture of (pixels x channels,); alpha stays, and so do colours where alpha is 0."""
     total, count = splat_floats(0.0), pixels.size // channels
     for block in range(first, last):
         i = first_pixel(block, count)
@@ -124,6 +144,6 @@ def _quantize(first: int, last: int, pixels: Any, channels: int, to_xyz: Rows, s
 
 @inlined
 def _gain(gy: Any, steps: Steps) -> Any:
-    """Return Y(Q) / Y(L*), with L* = 116 gy, at least 1."""
+    """Return the gain Y(Q) / Y(max(L*, 1)) of sixteen pixels, where L* = 116 ``gy`` (color/lab.py)."""
     lightness = 116.0 * gy
     return lab.g_inverse(middle(lightness, steps) * (1 / 116)) / lab.g_inverse(maximum(lightness, 1.0) * (1 / 116))

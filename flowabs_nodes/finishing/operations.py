@@ -1,4 +1,4 @@
-"""What may be done to each pixel of a picture on its own, at the end: declared here, done in fused.py."""
+"""The per-pixel operations that can be deferred until a picture is decoded; the kernels of fused.py do them."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from flowabs_nodes.array_types import Array
 
 
 class Quantize(NamedTuple):
-    """L* to the middle of its bin (section 4.1), by a gain on scene-linear RGB."""
+    """Replace L* by the middle of its bin (section 4.1), by a gain on scene-linear RGB."""
 
     levels: int  # bins of 0..100
-    softness: float  # of the step from one bin to the next, 0 to 1
+    softness: float  # width of the ramp between bins, as a part of a bin, 0 to 1
 
 
 class Ink(NamedTuple):
-    """Lines laid over the picture: rgb (1 - k) + color A k with k = (1 - lines) opacity."""
+    """Composite ink over the picture: rgb (1 - k) + color A k with k = (1 - lines) opacity."""
 
     lines: Array  # (H, W), 1 paper and 0 ink
     color: tuple[float, float, float]  # scene-linear
-    opacity: float
+    opacity: float  # 0 to 1
 
 
 Operation = Quantize | Ink
@@ -32,6 +32,9 @@ def split(operations: tuple[Operation, ...]) -> tuple[Quantize | None, Ink | Non
 
 
 def fused_together(space: str, operations: tuple[Operation, ...]) -> bool:
-    """Whether decoding from ``space`` and these operations are one pass: L* is at hand in "lab", and ink comes last."""
+    """Return whether one kernel decodes code values of ``space`` and does these operations, in this order.
+
+    Kernels quantise only in "lab", whose code values hold L*, and lay ink over the picture last.
+    """
     kinds = [type(operation) for operation in operations]
     return kinds in ([Quantize], [Ink], [Quantize, Ink]) and (space == "lab" or kinds == [Ink])

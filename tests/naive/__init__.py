@@ -1,1 +1,1 @@
-"""The equations read literally, in float64: slow, and plain enough to be checked against the page."""
+"""The paper's equations computed literally, in float64: slow, and plain enough to be checked against the page."""

@@ -1,4 +1,4 @@
-"""The bilateral filters that the paper compares itself with (Figs. 16-21), in float64."""
+"""Smooth with the bilateral filters that the paper compares itself with (Figs. 16-21), in float64."""
 
 from __future__ import annotations
 
@@ -8,7 +8,10 @@ from tests.naive.fbl import _bilateral
 
 
 def bilateral(codes, sigma_d, sigma_r, iterations, kernel="full", alpha=None):
-    """Tomasi and Manduchi's over the whole square, or Pham and van Vliet's in x, then y; the border repeated."""
+    """Smooth codes (H, W, 3) over the square ("full", Tomasi and Manduchi), or in x, then y (Pham and van Vliet).
+
+    The border is repeated.
+    """
     codes = np.asarray(codes, np.float64)
     alpha = np.ones(codes.shape[:2]) if alpha is None else np.asarray(alpha, np.float64)
     steps = int(np.ceil(3 * sigma_d))
@@ -24,6 +27,7 @@ def bilateral(codes, sigma_d, sigma_r, iterations, kernel="full", alpha=None):
 
 
 def _mean(codes, alpha, window, steps, sigma_d, sigma_r):
+    """Return the weighted mean over the offsets (dx, dy) of ``window``, at most ``steps`` pixels away."""
     height, width = alpha.shape
     wide = np.pad(codes, ((steps, steps), (steps, steps), (0, 0)), "edge")
     wide_alpha = np.pad(alpha, steps, "edge")
@@ -38,15 +42,15 @@ def _mean(codes, alpha, window, steps, sigma_d, sigma_r):
 
 
 def curvature(flow):
-    """kappa = n . (t . grad) t with n = (-t.y, t.x), by central differences of tangents turned to agree."""
+    """Return kappa = n . (t . grad) t with n = (-t.y, t.x), by central differences of tangents that agree with t."""
     t = np.asarray(flow, np.float64)
     wide = np.pad(t, ((1, 1), (1, 1), (0, 0)), "edge")
 
-    def turned(there):
+    def agreeing(there):
         return np.where((there * t).sum(-1, keepdims=True) < 0, -there, there)
 
-    along_x = (turned(wide[1:-1, 2:]) - turned(wide[1:-1, :-2])) / 2
-    along_y = (turned(wide[2:, 1:-1]) - turned(wide[:-2, 1:-1])) / 2
+    along_x = (agreeing(wide[1:-1, 2:]) - agreeing(wide[1:-1, :-2])) / 2
+    along_y = (agreeing(wide[2:, 1:-1]) - agreeing(wide[:-2, 1:-1])) / 2
     change = t[..., :1] * along_x + t[..., 1:] * along_y
     return t[..., 0] * change[..., 1] - t[..., 1] * change[..., 0]
 
@@ -54,7 +58,7 @@ def curvature(flow):
 def bilateral_oriented(
     codes, flow, sigma_e, r_e, sigma_g, r_g, iterations, kernel="line", sampling="nearest", alpha=None
 ):
-    """FBL with a straight line or a parabola in place of its curve."""
+    """Smooth like FBL, but along a straight line or a parabola in place of the streamline."""
     codes, flow = np.asarray(codes, np.float64), np.asarray(flow, np.float64)
     alpha = np.ones(codes.shape[:2]) if alpha is None else np.asarray(alpha, np.float64)
     t, n = flow, np.stack([-flow[..., 1], flow[..., 0]], -1)

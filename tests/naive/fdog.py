@@ -1,4 +1,4 @@
-"""Difference of Gaussians, isotropic and flow-based (section 3), in float64."""
+"""Detect lines by difference of Gaussians, isotropic and flow-based (section 3), in float64."""
 
 from __future__ import annotations
 
@@ -8,28 +8,28 @@ from tests.naive.walk import Float64, along, bilinear, centres, curve, gaussian
 
 
 def taps(sigma_c: float, rho: float) -> Float64:
-    """f, eq. 8, at -T .. T."""
+    """Return f at -T .. T."""
     steps = surround(sigma_c)
-    return gaussian(sigma_c, steps) - rho * gaussian(1.6 * sigma_c, steps)
+    return gaussian(sigma_c, steps) - rho * gaussian(1.6 * sigma_c, steps)  # eq. 8
 
 
 def surround(sigma_c: float) -> int:
-    """ceil(3 * 1.6 sigma_c); rounded first, for 3 * 1.6 * 5 is 24.000000000000004 in floating point."""
+    """Return T = ceil(3 * 1.6 sigma_c), rounded first: 3 * 1.6 * 5 is 24.000000000000004 in floating point."""
     return int(np.ceil(np.round(3 * 1.6 * sigma_c, 9)))
 
 
 def across(image: Float64, t: Float64, f: Float64, dx: Float64 | float = 0, dy: Float64 | float = 0) -> Float64:
-    """Eq. 10, with gradient lines through the points (dx, dy) away from each pixel, perpendicular to t."""
+    """Sum over the gradient axes through the points (dx, dy) away from each pixel, perpendicular to t."""
     steps = f.size // 2
     zero = np.zeros(image.shape)
     return sum(
-        f[n + steps] * bilinear(image, zero + dx + n * t[..., 1], zero + dy - n * t[..., 0])
+        f[n + steps] * bilinear(image, zero + dx + n * t[..., 1], zero + dy - n * t[..., 0])  # eq. 10
         for n in range(-steps, steps + 1)
     )
 
 
 def fdog(code, flow, sigma_m=3.0, sigma_c=1.0, rho=0.99, color_weight=0.0, kernel="separable", sampling="bilinear"):
-    """Eqs. 10 and 11, or eq. 6, and lines from colour."""
+    """Return H by eqs. 10 and 11 ("separable") or eq. 6 ("full"); of (H, W, 3) also with the responses of colour."""
     code, flow = np.asarray(code, np.float64), np.asarray(flow, np.float64)
     if code.ndim == 3:
         d = [fdog(code[..., k], flow, sigma_m, sigma_c, rho, 0, kernel, sampling) for k in range(3)]
@@ -48,15 +48,15 @@ def fdog(code, flow, sigma_m=3.0, sigma_c=1.0, rho=0.99, color_weight=0.0, kerne
                 x, y = centres(code.shape)
                 dx = np.clip(x + np.rint(dx), 0, code.shape[1] - 1) - x
                 dy = np.clip(y + np.rint(dy), 0, code.shape[0] - 1) - y
-            total = total + weights[steps + way * s] * across(code, t, f, dx, dy)
+            total = total + weights[steps + way * s] * across(code, t, f, dx, dy)  # eq. 6
     return total
 
 
 def threshold(response, tau=0.5, contrast=None, softness=0.0):
-    """Eq. 9 as printed; with a contrast or softness, as docs/numbers.md says."""
+    """Draw lines by eq. 9 as printed; with a contrast or softness, as docs/numbers.md says."""
     response = np.asarray(response, np.float64)
     if contrast is None and softness == 0:
-        return np.where((response < 0) & (1 + np.tanh(response) < tau), 0.0, 1.0)
+        return np.where((response < 0) & (1 + np.tanh(response) < tau), 0.0, 1.0)  # eq. 9
     c = -np.arctanh(tau - 1) if contrast is None else contrast
     if softness == 0:
         return np.where(response < -c, 0.0, 1.0)
@@ -65,7 +65,7 @@ def threshold(response, tau=0.5, contrast=None, softness=0.0):
 
 
 def fdog_iterative(code, flow, iterations, pre_blur=0.0, tau=0.5, contrast=None, softness=0.0, **parameters):
-    """Section 3.2."""
+    """Draw lines by section 3.2: each pass filters the picture with the last pass's ink over it."""
     code = np.asarray(code, np.float64)
     image = code
     for _ in range(iterations):
@@ -76,7 +76,7 @@ def fdog_iterative(code, flow, iterations, pre_blur=0.0, tau=0.5, contrast=None,
 
 
 def blur(image, sigma, steps=None):
-    """Sums over columns and rows, border repeated."""
+    """Blur by weighted sums over columns, then rows, border repeated."""
     steps = int(np.ceil(3 * sigma)) if steps is None else steps
     weights = gaussian(sigma, steps)
     result = np.asarray(image, np.float64)
@@ -91,6 +91,6 @@ def blur(image, sigma, steps=None):
 
 
 def dog(code, sigma_c, rho):
-    """Eq. 8 in two dimensions."""
+    """Return the response of the isotropic DoG: eq. 8 in two dimensions."""
     steps = surround(sigma_c)
     return blur(code, sigma_c, steps) - rho * blur(code, 1.6 * sigma_c, steps)

@@ -1,4 +1,4 @@
-"""Canny's edge detector [27], OpenCV's: what the paper compares FDoG with (Fig. 14b)."""
+"""Canny's edge detector [27] by OpenCV, with which the paper compares FDoG (Fig. 14b)."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ _LARGEST = 32767  # OpenCV takes gradients as 16-bit integers
 
 
 def canny(code: npt.ArrayLike, sigma: float = 1.0, low: float = 0.1, high: float = 0.2) -> Array:
-    """Edges one pixel wide: ridges of the gradient's magnitude above ``low`` that touch one above ``high``.
+    """Draw edges one pixel wide: ridges of the gradient's magnitude above ``low`` that touch a ridge above ``high``.
 
-    Ridges and thresholds are OpenCV's ``Canny`` with ``L2gradient``, on the gradient of this package: 3x3 Sobel after a
-    Gaussian blur, scaled so that the largest magnitude of the picture is 32767, and rounded.
+    OpenCV's ``Canny`` with ``L2gradient`` finds ridges and applies the thresholds. It gets this package's gradient, 3x3
+    Sobel after a Gaussian blur, scaled so that the largest magnitude of the picture is 32767, and rounded.
 
     Parameters
     ----------
     code
         Code values, (H, W).
     sigma
-        Sigma of the Gaussian blur before, in pixels, 0 to 10,000.
+        Sigma of the Gaussian blur before the gradient, in pixels, 0 to 10,000.
     low, high
         Thresholds, 0 to 1, as parts of the largest gradient of the picture: an edge has to reach the larger of the two
         somewhere, and goes on while it stays above the smaller.

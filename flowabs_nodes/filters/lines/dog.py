@@ -11,7 +11,7 @@ from flowabs_nodes.filters.gaussian_blur import separable
 
 
 def dog(code: npt.ArrayLike, sigma_c: float = 1.0, rho: float = 0.99) -> Array:
-    """Response H of the isotropic DoG: G(sigma_c) * I - rho G(1.6 sigma_c) * I, eq. 8 in two dimensions.
+    """Return the response of the isotropic DoG: H = G(sigma_c) * I - rho G(1.6 sigma_c) * I, eq. 8 in two dimensions.
 
     Parameters
     ----------
@@ -36,4 +36,4 @@ def dog(code: npt.ArrayLike, sigma_c: float = 1.0, rho: float = 0.99) -> Array:
     sigma_c = validate.number("sigma_c", sigma_c, above=0, max=10_000)
     rho = validate.number("rho", rho, min=0, max=2)
     centre, surround = gaussian.centre_and_surround(sigma_c)
-    return separable(code, centre) - np.float32(rho) * separable(code, surround)
+    return separable(code, centre) - np.float32(rho) * separable(code, surround)  # eq. 8: in two dimensions

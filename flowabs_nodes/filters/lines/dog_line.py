@@ -1,4 +1,8 @@
-"""Eq. 10: a picture summed along the gradient axis l_x (section 3.1), unit steps along (t.y, -t.x), across the flow."""
+"""Eq. 10: the weighted sum of a picture along the gradient axis l_x (section 3.1), at whole steps along (t.y, -t.x).
+
+Samples are bilinear, from a tile of the picture that is laid out as a lattice
+(:mod:`~flowabs_nodes.sampling.tile_cache`).
+"""
 
 from __future__ import annotations
 
@@ -26,13 +30,25 @@ from flowabs_nodes.simd.jit import kernel
 from flowabs_nodes.simd.lanes import LANES, floor, inlined, lane_indices, to_ints
 from flowabs_nodes.simd.memory import load, load_pairs, scratch, store
 
-_STEPS = 8  # whose places are worked out together: the loads of one need not wait for those of another
+_STEPS = 8  # are located before the first of them is sampled, so that gathers need not wait for each other
 
 
 def across(planes: Array, flow: Array, taps: npt.NDArray[np.float64]) -> Array:
-    """The weighted sum of each of some planes (C, H, W) over the gradient axis of each pixel, read bilinearly.
+    """Return the weighted sum of each of some planes over the gradient axis of each pixel, sampled bilinearly (eq. 10).
 
-    ``taps`` are the weights f of the steps 0, 1 .. to either side.
+    Parameters
+    ----------
+    planes
+        (C, H, W) float32.
+    flow
+        (H, W, 2) float32 tangents.
+    taps
+        The filter f at the steps t = 0, 1 .. T; it is symmetric.
+
+    Returns
+    -------
+    (C, H, W) float32. Tangents too long for tiles, far from unit length, take the slower path of
+    :func:`~flowabs_nodes.sampling.exact_sums.exact_sum`.
     """
     result = over_tiles(_across, planes, flow, taps)
     return exact_sum(planes, flow, taps, np.ones(1), "bilinear") if result is None else result
@@ -40,10 +56,15 @@ def across(planes: Array, flow: Array, taps: npt.NDArray[np.float64]) -> Array:
 
 @kernel
 def _across(first: int, last: int, planes: Any, shape: PlanesShape, flow: Any, taps: Any, result: Any) -> bool:
-    """Whether all tangents were short enough."""
+    """Write rows ``first`` .. ``last`` - 1 of H_g (eq. 10); return whether no tangent was too long.
+
+    ``planes`` and ``result`` are (C, H, W) float32, ``flow`` (H, W) complex64, all flattened.
+    """
     channels, height, width = shape
     steps = taps.size - 1
-    places, u, v = scratch(np.int32, 16), scratch(np.float32, 8), scratch(np.float32, 8)
+    # Of the points l_x(n) and l_x(-n) of sixteen pixels at up to eight steps: the lattice entry to the upper left of
+    # each, and how far (u, v) beyond its entry l_x(n) lies; l_x(-n) lies (1 - u, 1 - v) beyond its own.
+    entries, offsets = scratch(np.int32, 16), scratch(np.float32, 16)
     lattice = np.empty(tile_capacity(steps, last - first, width, height), np.complex64)
     for y0 in range(first, last, ROWS):
         for x0 in range(0, width, COLUMNS):
@@ -62,28 +83,30 @@ def _across(first: int, last: int, planes: Any, shape: PlanesShape, flow: Any, t
                         for n0 in range(1, steps + 1, _STEPS):
                             n_end = min(n0 + _STEPS, steps + 1)
                             for n in range(n0, n_end):
-                                _find(n, tx, ty, x, y, around, places, u, v, n - n0)
+                                dx, dy = ty * np.float32(n), tx * np.float32(-n)
+                                _locate(dx, dy, x, y, around, entries, offsets, n - n0)
                             for n in range(n0, n_end):
-                                total = total + _both_sides(lattice, places, u, v, n - n0) * taps[n]
+                                total = (
+                                    total + _sample_both_sides(lattice, entries, offsets, n - n0) * taps[n]
+                                )  # eq. 10
                         store(result, at, total)
     return True
 
 
 @inlined
-def _find(n: int, tx: Any, ty: Any, x: int, y: int, tile: Tile, places: Any, u: Any, v: Any, k: int) -> None:
-    """The k-th places: l_x(n) and l_x(-n)."""
-    dx, dy = ty * np.float32(n), tx * np.float32(-n)
+def _locate(dx: Any, dy: Any, x: int, y: int, tile: Tile, entries: Any, offsets: Any, k: int) -> None:
+    """Write where the points (dx, dy) and (-dx, -dy) from the pixels x .. x + 15 of row y are, as the k-th points."""
     left, top = floor(dx), floor(dy)
-    store(u, LANES * k, dx - left)
-    store(v, LANES * k, dy - top)
+    store(offsets, 2 * LANES * k, dx - left)
+    store(offsets, 2 * LANES * k + LANES, dy - top)
     columns, rows, pixel = to_ints(left), to_ints(top), lane_indices() + x
-    store(places, 2 * LANES * k, tile_offset(pixel + columns, rows + y, tile))
-    store(places, 2 * LANES * k + LANES, tile_offset(pixel - 1 - columns, -1 - rows + y, tile))
+    store(entries, 2 * LANES * k, tile_offset(pixel + columns, rows + y, tile))
+    store(entries, 2 * LANES * k + LANES, tile_offset(pixel - 1 - columns, -1 - rows + y, tile))
 
 
 @inlined
-def _both_sides(lattice: Any, places: Any, u: Any, v: Any, k: int) -> Any:
-    """What is at the k-th places."""
-    u, v = load(u, LANES * k), load(v, LANES * k)
-    other = sample_lattice(lattice, places, 2 * LANES * k + LANES, 1.0 - u, 1.0 - v)
-    return sample_lattice(lattice, places, 2 * LANES * k, u, v) + other
+def _sample_both_sides(lattice: Any, entries: Any, offsets: Any, k: int) -> Any:
+    """Return the sum of the samples at the k-th points: I(l_x(n)) + I(l_x(-n))."""
+    u, v = load(offsets, 2 * LANES * k), load(offsets, 2 * LANES * k + LANES)
+    other = sample_lattice(lattice, entries, 2 * LANES * k + LANES, 1.0 - u, 1.0 - v)
+    return sample_lattice(lattice, entries, 2 * LANES * k, u, v) + other

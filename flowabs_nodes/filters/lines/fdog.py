@@ -1,4 +1,4 @@
-"""The flow-based difference of Gaussians (section 3.1): a line detector across the flow, summed along it."""
+"""The flow-based difference of Gaussians (section 3.1): apply a line detector across the flow, sum along the flow."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from flowabs_nodes.array_types import Array
+from flowabs_nodes.array_types import Array, Float64
 from flowabs_nodes.choices import FDOG_KERNELS, SAMPLINGS
 from flowabs_nodes.filters import gaussian, validate
 from flowabs_nodes.filters.flow.flow_blur import along, as_planes
@@ -31,12 +31,12 @@ def fdog(
     kernel: str = "separable",
     sampling: str = "bilinear",
 ) -> Array:
-    """Response H of the FDoG filter, eqs. 6-8, 10 and 11: below 0 on dark lines and on the dark side of edges.
+    """Return the response H of the FDoG filter, eqs. 6-8, 10, 11: below 0 on dark lines and on the dark side of edges.
 
     Parameters
     ----------
     code
-        Code values, (H, W), or (H, W, 3), of which the second and third channel only count with ``color_weight``.
+        Code values, (H, W), or (H, W, 3), whose second and third channel only count with ``color_weight``.
     flow
         (H, W, 2), unit tangents, x right and y down; the sign has no meaning.
     sigma_m
@@ -47,13 +47,15 @@ def fdog(
         Weight of the outer Gaussian, which is 1.6 times as wide: 0 to 2, typically 0.97 to 1. Where code values are
         constant, H = (1 - rho) I.
     color_weight
-        Weight w of the second and third channel, 0 to 1e6: with d the channels' responses,
+        Weight w of the second and third channel, 0 to 1e6: with d_L, d_a, d_b the responses of the three channels,
         H = tanh(2 d_L) sqrt(d_L^2 + w^2 (d_a^2 + d_b^2)).
     kernel
-        "separable": across the flow, then along it (eqs. 10, 11); "full": eq. 6, with a gradient line through every
-        point of the curve rather than through the pixels near it. It costs as many times more as the curve has steps.
+        "separable": sum across the flow, then along it (eqs. 10, 11); "full": eq. 6, with a gradient axis through every
+        point of the streamline rather than through the pixels near the point. "full" costs as many times more as the
+        streamline has steps.
     sampling
-        How the curve is read, "bilinear" or "nearest" pixel. The gradient line is always read bilinearly.
+        How samples are taken along the streamline, "bilinear" or at the "nearest" pixel. Samples along the gradient
+        axis are always bilinear.
 
     Returns
     -------
@@ -72,10 +74,10 @@ def fdog(
 
 @dataclass(frozen=True)
 class Detector:
-    """The filter with its parameters checked and its weights worked out."""
+    """The FDoG filter with its parameters checked and its weights computed."""
 
-    weights: npt.NDArray[np.float64]  # G_sigma_m, one side
-    taps: npt.NDArray[np.float64]  # f, one side
+    weights: Float64  # G_sigma_m at s = 0, 1 .. S
+    taps: Float64  # f (eq. 8) at t = 0, 1 .. T
     color_weight: float
     full: bool
     sampling: str
@@ -84,6 +86,7 @@ class Detector:
     def checked(
         cls, sigma_m: float, sigma_c: float, rho: float, color_weight: float, kernel: str, sampling: str
     ) -> Detector:
+        """Return the filter of parameters that are those of :func:`fdog`; raise ArgumentError for a bad one."""
         sigma_m = validate.number("sigma_m", sigma_m, min=0, max=10_000)
         sigma_c = validate.number("sigma_c", sigma_c, above=0, max=10_000)
         rho = validate.number("rho", rho, min=0, max=2)
@@ -96,25 +99,30 @@ class Detector:
         )
 
     def response(self, planes: Array, flow: Array) -> Array:
-        """H of a picture (C, H, W), its first plane alone without a weight for colour."""
+        """Return H, (H, W), of planes (C, H, W) of code values; without a weight for colour, of the first plane."""
         planes = planes if self.color_weight > 0 else planes[:1]
         if self.full:
-            responses = exact_sum(planes, flow, self.taps, self.weights, self.sampling)
+            responses = exact_sum(planes, flow, self.taps, self.weights, self.sampling)  # eq. 6
         else:
-            responses = along(across(planes, flow, self.taps), flow, self.weights, self.sampling)
+            responses = along(across(planes, flow, self.taps), flow, self.weights, self.sampling)  # eq. 11: of eq. 10
         if self.color_weight == 0:
             first: Array = responses[0]
             return first
-        # A picture of one channel has no colour: its lightness stands in, and is not read.
+        # A picture of one channel has no colour: the kernel gets its lightness three times, and reads it once.
         channels = [as_run(responses[min(c, len(responses) - 1)]) for c in range(3)]
         joined, weight = empty_run(responses[0].size), np.float32(self.color_weight)
-        over_pixels(_join, joined.size, *channels, len(responses) > 1, weight, joined)
+        over_pixels(_join_channels, joined.size, *channels, len(responses) > 1, weight, joined)
         return as_picture(joined, *flow.shape[:2])
 
 
 @kernel
-def _join(first: int, last: int, lightness: Any, a: Any, b: Any, is_color: bool, weight: Any, joined: Any) -> None:
-    """Join the responses of all channels to H = tanh(2 d_L) sqrt(d_L^2 + w^2 (d_a^2 + d_b^2))."""
+def _join_channels(
+    first: int, last: int, lightness: Any, a: Any, b: Any, is_color: bool, weight: Any, joined: Any
+) -> None:
+    """Join the channels' responses to H = tanh(2 d_L) sqrt(d_L^2 + w^2 (d_a^2 + d_b^2)), w being ``weight``.
+
+    Writes the blocks ``first`` .. ``last`` - 1 of sixteen pixels; ``a`` and ``b`` count where ``is_color``.
+    """
     for block in range(first, last):
         i = first_pixel(block, joined.size)
         d, da, db = load(lightness, i), splat_floats(0.0), splat_floats(0.0)

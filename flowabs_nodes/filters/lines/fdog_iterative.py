@@ -1,4 +1,4 @@
-"""FDoG in several passes (section 3.2): what was drawn is drawn into the picture, and drawn again."""
+"""Iterative FDoG (section 3.2): the lines of each pass are superimposed on the picture that the next pass filters."""
 
 from __future__ import annotations
 
@@ -35,28 +35,29 @@ def fdog_iterative(
     epsilon: float = 0.0,
     phi: float = 0.01,
 ) -> tuple[Array, Array]:
-    """Iterative FDoG: after each pass its ink is laid over the original picture, and the next pass sees that.
+    """Draw lines by several passes of FDoG: each pass filters the original picture with the last pass's ink over it.
 
-    Ink is code value 0, in proportion to 1 - lines; the flow stays as it is. From pass to pass lines grow together, and
+    Ink is code value 0, in proportion to 1 - lines; the flow stays the same. From pass to pass lines grow together, and
     become harder and thicker.
 
     Parameters
     ----------
     code, flow, sigma_m, sigma_c, rho, color_weight, kernel, sampling
-        Those of :func:`~flowabs_nodes.filters.fdog`.
+        As the parameters of :func:`~flowabs_nodes.filters.fdog`.
     tau, contrast, softness
-        Those of :func:`~flowabs_nodes.filters.threshold`.
+        As the parameters of :func:`~flowabs_nodes.filters.threshold`.
     iterations
         Number of passes, at least 1.
     pre_blur
-        Sigma in pixels of a Gaussian blur of what each pass sees, 0 to 10,000.
+        Sigma in pixels, 0 to 10,000, of a Gaussian blur of the picture that each pass filters.
     form, p, epsilon, phi
         "paper", or "xdog" for the lines of :func:`~flowabs_nodes.filters.xdog`: then p, epsilon and phi take the place
         of rho, tau, contrast and softness.
 
     Returns
     -------
-    Lines, (H, W) float32, 1 paper and 0 ink, and the response they come from (H; D for xdog), both of the last pass.
+    Lines, (H, W) float32, 1 paper and 0 ink, and the response that they come from, (H, W): H, or D for "xdog". Both are
+    the last pass's.
 
     Raises
     ------
@@ -72,6 +73,7 @@ def fdog_iterative(
     pre_blur = validate.number("pre_blur", pre_blur, min=0, max=10_000)
 
     def draw(planes: Array) -> tuple[Array, Array]:
+        """Return lines and response of one pass."""
         if pre_blur > 0:
             planes = np.stack([blur(plane, pre_blur) for plane in planes])
         response = detector.response(planes, flow)
@@ -87,7 +89,7 @@ def fdog_iterative(
 
 
 def _inked(original: Array, lines: Array) -> Array:
-    """The planes (C, H, W) in proportion to 1 - ink."""
+    """Return planes (C, H, W) with ink over them: multiplied by ``lines``, (H, W)."""
     picture = np.empty_like(original)
 
     def band(first: int, last: int) -> None:

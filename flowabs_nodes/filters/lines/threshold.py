@@ -1,4 +1,4 @@
-"""From response to lines: eq. 9, hard or soft."""
+"""Turn a response into lines by eq. 9, hard or soft."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from flowabs_nodes.simd.pixelwise import any_nan, as_picture, as_run, empty_run,
 
 
 def threshold(response: npt.ArrayLike, tau: float = 0.5, contrast: float | None = None, softness: float = 0.0) -> Array:
-    """Lines: ink where H < -c, which is eq. 9 (H < 0 and 1 + tanh H < tau) for c = -atanh(tau - 1).
+    """Draw ink where H < -c, which is eq. 9 (H < 0 and 1 + tanh H < tau) for c = -atanh(tau - 1).
 
     Parameters
     ----------
     response
         H in code values, (H, W).
     tau
-        Threshold of eq. 9, 0 to 1: 0 gives paper alone, 1 ink wherever H < 0. Not used when ``contrast`` is given.
+        Threshold of eq. 9, 0 to 1: 0 draws no ink, 1 draws ink wherever H < 0. Not used when ``contrast`` is given.
     contrast
         c in code values, at least 0; None is -atanh(tau - 1).
     softness
@@ -57,28 +57,33 @@ def threshold(response: npt.ArrayLike, tau: float = 0.5, contrast: float | None 
 
 
 def _ramp(paper: float, softness: float) -> tuple[np.float32, np.float32, np.float32]:
-    """Where paper begins, the rest of that number, and the slope of the ramp before it; 0 is a step.
+    """Return the H where paper begins, in float32; what float32 left out of it; the slope of the ramp below it.
 
-    The step is as exact as float64 would have it: float32 are below ``paper`` if they are below the next float32.
+    Slope 0 stands for a step, which is as exact as in float64: the H returned is then the least float32 that is not
+    below ``paper``.
     """
     with np.errstate(over="ignore"):
         edge = np.float32(paper)
         above = edge if edge >= paper else np.nextafter(edge, np.float32(np.inf))
     if softness == 0 or np.isinf(edge):
         return above, np.float32(0), np.float32(0)
-    slope = min(max(1 / softness, 1e-37), 1e37)  # some normal number
+    slope = min(max(1 / softness, 1e-37), 1e37)  # no subnormal number, no Inf
     return edge, np.float32(paper - float(edge)), np.float32(slope)
 
 
 @kernel
 def _threshold(first: int, last: int, response: Any, paper: Any, rest: Any, slope: Any, lines: Any) -> Any:
+    """Draw the blocks ``first`` .. ``last`` - 1 of sixteen pixels; return whether a number is not finite.
+
+    ``paper``, ``rest`` and ``slope`` come from :func:`_ramp`.
+    """
     total = splat_floats(0.0)
     for block in range(first, last):
         i = first_pixel(block, response.size)
         h = load(response, i)
         total = total + zero_or_nan(h)
         if slope == 0:
-            line = select(h < paper, splat_floats(0.0), splat_floats(1.0))
+            line = select(h < paper, splat_floats(0.0), splat_floats(1.0))  # eq. 9
         else:
             t = minimum(maximum(((h - paper) - rest) * slope + 1.0, 0.0), 1.0)
             line = t * t * (3.0 - 2.0 * t)

@@ -1,8 +1,8 @@
-"""XDoG: the same difference of Gaussians in another parametrisation, whose lines fade into tone.
+"""XDoG: another parametrisation of the difference of Gaussians, whose lines fade into tone.
 
 Winnemöller, Kyprianidis, Olsen: "XDoG: An eXtended difference-of-Gaussians compendium", Computers & Graphics 36(6),
 2012. There D = (1 + p) G_sigma - p G_1.6sigma, the picture sharpened p times: (1 + p) (G_sigma - rho G_1.6sigma) with
-rho = p / (1 + p). What this package calls H is, with that rho, D / (1 + p).
+rho = p / (1 + p). With this rho, D / (1 + p) is the response H of this package.
 """
 
 from __future__ import annotations
@@ -19,20 +19,20 @@ from flowabs_nodes.simd.jit import kernel
 
 
 def xdog(response: npt.ArrayLike, p: float = 20.0, epsilon: float = 0.0, phi: float = 0.01) -> tuple[Array, Array]:
-    """Lines and tone: 1 where D >= epsilon, else 1 + tanh(phi (D - epsilon)).
+    """Draw lines and tone: 1 where D >= epsilon, else 1 + tanh(phi (D - epsilon)).
 
     Parameters
     ----------
     response
-        H of :func:`~flowabs_nodes.filters.dog` or :func:`~flowabs_nodes.filters.fdog` with rho = p / (1 + p), which is
-        what :func:`xdog_rho` gives; (H, W), code values.
+        H of :func:`~flowabs_nodes.filters.dog` or :func:`~flowabs_nodes.filters.fdog` with the rho that
+        :func:`xdog_rho` returns; (H, W), code values.
     p
         Strength of the sharpening, 0 to 10,000: 0 is tone alone, higher draws stronger edges.
     epsilon
         Level in code values below which tone darkens. At 0 only edges do, at 255 all but their bright sides.
     phi
-        Steepness of the way to black per code value, at least 0. As the paper's intensities are 0 to 1, its phi is 255
-        times this one.
+        Steepness of the ramp to black per code value, at least 0. The paper's intensities are 0 to 1, so its phi is
+        255 times this one.
 
     Returns
     -------
@@ -53,7 +53,7 @@ def xdog(response: npt.ArrayLike, p: float = 20.0, epsilon: float = 0.0, phi: fl
 
 
 def xdog_rho(p: float) -> float:
-    """The rho for which H is D / (1 + p)."""
+    """Return the rho for which H is D / (1 + p): p / (1 + p)."""
     p = validate.number("p", p, min=0, max=10_000)
     return p / (1 + p)
 
@@ -62,6 +62,7 @@ def xdog_rho(p: float) -> float:
 def _xdog(
     first: int, last: int, response: Any, gain: float, epsilon: float, phi: float, lines: Any, sharpened: Any
 ) -> None:
+    """Write rows ``first`` .. ``last`` - 1 of lines and of D = ``gain`` H, clamped to float32's range."""
     largest = np.float64(np.finfo(np.float32).max)
     for y in range(first, last):
         for x in range(response.shape[1]):

@@ -1,8 +1,8 @@
-"""A bilateral filter along the line or parabola on which each pixel lies: eq. 14, and eq. 12 in Fig. 20 d and e."""
+"""The bilateral filter along a line or parabola through each pixel: eq. 14, and in Fig. 20 d and e also eq. 12."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -10,15 +10,16 @@ import numpy.typing as npt
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters.regions.range_weights import (
     Pass,
+    Records,
+    WeightExponents,
     add_sample,
     load_color,
     load_sums,
-    range_exponent,
     record_size,
-    spatial_exponents,
     start_sums,
     store_mean,
     store_sums,
+    weight_exponents,
 )
 from flowabs_nodes.sampling.coords import Raster, padded_rows
 from flowabs_nodes.sampling.samples import PREFETCH_AHEAD, locate, new_sample_coords, prefetch_rows, row_below, sample
@@ -27,7 +28,16 @@ from flowabs_nodes.simd.jit import kernel
 from flowabs_nodes.simd.lanes import LANES, to_doubles
 from flowabs_nodes.simd.memory import load, load_pairs, prefetch, scratch
 
-_BLOCKS, _STEPS = 4, 4  # of sixteen pixels, and to each side, whose points are found before the first is read
+# The sample coordinates of so many blocks of sixteen pixels, at so many steps to each side, are computed before the
+# first sample is gathered: gathers then need not wait for each other.
+_BLOCKS, _STEPS = 4, 4
+
+
+class Axis(NamedTuple):
+    """The direction u of each pixel's line."""
+
+    flow: Any  # (H, stride) complex64, flattened: unit tangents t
+    across: bool  # u = (t.y, -t.x), the gradient axis l_x; else u = t
 
 
 def line_pass(
@@ -40,14 +50,33 @@ def line_pass(
     alpha: Array | None,
     raster: Raster,
 ) -> Pass:
-    """The pass at right angles to the flow, or along it over parabolas with curvatures ``kappa``, or over lines."""
-    tangents = padded_rows(flow, raster).view(np.complex64)
-    bends = None if kappa is None else padded_rows(kappa, raster)
-    near, like = spatial_exponents(sigma), range_exponent(r)
-    marks = True if bilinear else None, None if alpha is None else True
+    """Return the pass over each pixel's line, at right angles to the flow (``across``) or along its tangent.
 
-    def smooth(picture: Array, smoothed: Array) -> None:
-        over_rows(_along_line, raster.height, picture, tangents, across, bends, near, like, *marks, raster, smoothed)
+    Parameters
+    ----------
+    flow
+        (H, W, 2), unit tangents.
+    across
+        Whether lines are gradient axes (eq. 14).
+    kappa
+        Curvatures per pixel, (H, W), which bend the lines into parabolas; None for straight lines.
+    sigma, r
+        Sigma of the spatial kernel in pixels, and of the range kernel in code values.
+    bilinear
+        Whether the picture is sampled bilinearly, else at the nearest pixel.
+    alpha
+        None where the records that the pass gets hold no alpha.
+    raster
+        The picture's.
+    """
+    axis = Axis(padded_rows(flow, raster).view(np.complex64), across)
+    bends = None if kappa is None else padded_rows(kappa, raster)
+    weights = weight_exponents(sigma, r)
+    by_alpha, by_bilinear = None if alpha is None else True, True if bilinear else None
+
+    def smooth(values: Array, smoothed: Array) -> None:
+        picture = Records(values, raster, by_alpha)
+        over_rows(_along_line, raster.height, picture, axis, bends, weights, by_bilinear, smoothed)
 
     return smooth
 
@@ -56,23 +85,23 @@ def line_pass(
 def _along_line(
     first: int,
     last: int,
-    picture: Any,
-    flow: Any,
-    across: bool,
+    picture: Records,
+    axis: Axis,
     kappa: Any,
-    spatial_exponents: Any,
-    range_exponent: float,
+    weights: WeightExponents,
     bilinear: Any,
-    alpha: Any,
-    raster: Raster,
     smoothed: Any,
 ) -> None:
-    """Weighted means over the points x + s u, at right angles to the flow, u = (t.y, -t.x), or along it, u = t.
+    """Smooth rows ``first`` .. ``last`` - 1 by the weighted mean over the points x + s u of each pixel x.
 
-    With curvatures ``kappa``, not None, over x + s u + (kappa s^2 / 2) (-u.y, u.x).
+    With ``kappa``, (H, stride) float64 flattened, over the points x + s u + (kappa s^2 / 2) (-u.y, u.x). ``bilinear``
+    is True, or None for nearest pixels.
     """
-    coords, size, steps = new_sample_coords(), record_size(alpha), spatial_exponents.size - 1
-    so_far, below = scratch(np.float32, 16), row_below(raster, size)  # the sums of four times sixteen pixels
+    values, raster, alpha = picture
+    flow, across = axis
+    spatial, range_exponent = weights
+    coords, size, steps = new_sample_coords(), record_size(alpha), spatial.size - 1
+    so_far, below = scratch(np.float32, 16), row_below(raster, size)  # the sums of each block
     for y in range(first, last):
         for x0 in range(0, raster.stride, _BLOCKS * LANES):
             for first_s in range(1, steps + 1, _STEPS):
@@ -82,7 +111,7 @@ def _along_line(
                     pixel = y * raster.stride + x
                     tx, ty = load_pairs(flow, pixel)
                     if first_s == 1:
-                        prefetch_rows(picture, smoothed, x, y, steps + 1, raster, size)
+                        prefetch_rows(values, smoothed, x, y, steps + 1, raster, size)
                         prefetch(flow, pixel + PREFETCH_AHEAD)
                         prefetch(flow, pixel + PREFETCH_AHEAD + LANES // 2)
                     ux, uy = to_doubles(tx), to_doubles(ty)
@@ -101,13 +130,13 @@ def _along_line(
                             locate(coords, at + LANES, bx - dx, by - dy, x, y, raster, size, bilinear)
                 for block in range(_BLOCKS):
                     pixel = y * raster.stride + min(x0 + block * LANES, raster.stride - LANES)
-                    centre = load_color(picture, pixel, alpha)
+                    centre = load_color(values, pixel, alpha)
                     sums = start_sums(centre) if first_s == 1 else load_sums(so_far, block)
                     for s in range(first_s, last_s):
                         at = 2 * LANES * (block * _STEPS + s - first_s)
-                        for side in range(2):
-                            there = sample(picture, below, coords, at + side * LANES, bilinear, alpha)
-                            sums = add_sample(sums, centre, there, spatial_exponents[s], range_exponent, alpha)
+                        for side in range(2):  # l_x(s), l_x(-s)
+                            there = sample(values, below, coords, at + side * LANES, bilinear, alpha)
+                            sums = add_sample(sums, centre, there, spatial[s], range_exponent, alpha)  # eq. 14
                     if last_s <= steps:
                         store_sums(so_far, block, sums)
                     else:

@@ -29,36 +29,36 @@ def bilateral_oriented(
     alpha: npt.ArrayLike | None = None,
     sampling: str = "nearest",
 ) -> Array:
-    """Bilateral filter along a line or arc that touches the flow, then across the flow, ``iterations`` times.
+    """Smooth along a line or arc that touches the flow, then across the flow, ``iterations`` times.
 
-    In place of FBL's curve c_x, eq. 12 reads the points x + s t + (kappa s^2 / 2) n, with t the tangent of the pixel
+    In place of FBL's streamline c_x, eq. 12 samples the points x + s t + (kappa s^2 / 2) n, with t the pixel's tangent
     and n = (-t.y, t.x). "line": kappa = 0, the anisotropic bilateral filter. "arc": kappa is the curvature of the flow,
-    kappa = n . (t . grad) t, which makes them the parabola of Pham's structure-adaptive bilateral filter [51]. The
-    pass across the flow is FBL's, eq. 14.
+    kappa = n . (t . grad) t, and the points lie on the parabola of Pham's structure-adaptive bilateral filter [51].
+    The pass across the flow is FBL's, eq. 14.
 
-    Derivatives are central differences over two pixels, the border repeated, of tangents that are turned round where
-    they disagree with the pixel's own: a flow has no sign, and neither kappa n nor the filter depends on one.
+    Derivatives are central differences over two pixels, the border repeated, of tangents that are reversed where they
+    disagree with the pixel's own tangent: a flow has no sign, and neither kappa n nor the filter depends on one.
 
     Parameters
     ----------
     codes
         Code values, (H, W, 3), not multiplied by alpha. Colours differ by their Euclidean distance.
     flow
-        (H, W, 2), unit tangents, x right and y down. Where one is zero, the pixel itself is read.
+        (H, W, 2), unit tangents, x right and y down. Where a tangent is zero, every sample is the pixel itself.
     sigma_e, sigma_g
-        Sigma of the Gaussian along and across the flow, in pixels, 0 to 10,000; 0 leaves that pass out.
+        Sigma of the spatial kernel along and across the flow, in pixels, 0 to 10,000; 0 leaves that pass out.
     r_e, r_g
-        Sigma of the Gaussian of colour differences along and across the flow, in code values, above 0 (eq. 13).
+        Sigma of the range kernel along and across the flow (eq. 13), in code values, above 0.
     iterations
         At least 0; 0 gives a copy.
     kernel
         "line" or "arc". A parabola is an arc of the circle only near the pixel: where the flow turns by much within
         3 ``sigma_e``, it leaves the flow.
     alpha
-        (H, W), coverage: every reading's weight is multiplied by its alpha. Pixels with alpha 0 or less keep their
+        Coverage, (H, W). The weight of every sample is multiplied by its alpha. Pixels with alpha 0 or less keep their
         value. None is 1 everywhere.
     sampling
-        How points are read, "nearest" pixel or "bilinear".
+        How the picture is sampled, at the "nearest" pixel or "bilinear".
 
     Returns
     -------
@@ -89,7 +89,7 @@ def bilateral_oriented(
 
 
 def curvature(flow: Array) -> npt.NDArray[np.float64]:
-    """kappa of each pixel, (H, W)."""
+    """Return the curvature kappa of a flow (H, W, 2) at each pixel, (H, W) float64, in 1 / pixel."""
     kappa = np.empty(flow.shape[:2])
     over_rows(_curvature, flow.shape[0], flow, kappa)
     return kappa
@@ -97,22 +97,24 @@ def curvature(flow: Array) -> npt.NDArray[np.float64]:
 
 @kernel
 def _curvature(first: int, last: int, flow: Any, kappa: Any) -> None:
+    """Write rows ``first`` .. ``last`` - 1 of kappa = n . (t . grad) t, n = (-t.y, t.x)."""
     height, width, _ = flow.shape
     for y in range(first, last):
         above, below = max(y - 1, 0), min(y + 1, height - 1)
         for x in range(width):
             left, right = max(x - 1, 0), min(x + 1, width - 1)
             tx, ty = np.float64(flow[y, x, 0]), np.float64(flow[y, x, 1])
-            x2, y2 = _turned(flow[y, right], tx, ty)
-            x1, y1 = _turned(flow[y, left], tx, ty)
-            x4, y4 = _turned(flow[below, x], tx, ty)
-            x3, y3 = _turned(flow[above, x], tx, ty)
+            x2, y2 = _agreeing(flow[y, right], tx, ty)
+            x1, y1 = _agreeing(flow[y, left], tx, ty)
+            x4, y4 = _agreeing(flow[below, x], tx, ty)
+            x3, y3 = _agreeing(flow[above, x], tx, ty)
             change_x = tx * ((x2 - x1) / 2) + ty * ((x4 - x3) / 2)  # (t . grad) t
             change_y = tx * ((y2 - y1) / 2) + ty * ((y4 - y3) / 2)
             kappa[y, x] = tx * change_y - ty * change_x
 
 
 @inlined
-def _turned(tangent: Any, tx: float, ty: float) -> tuple[float, float]:
+def _agreeing(tangent: Any, tx: float, ty: float) -> tuple[float, float]:
+    """Return a tangent (2,), reversed where it disagrees with (tx, ty)."""
     x, y = np.float64(tangent[0]), np.float64(tangent[1])
     return (-x, -y) if x * tx + y * ty < 0 else (x, y)

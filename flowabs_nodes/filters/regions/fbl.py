@@ -1,4 +1,4 @@
-"""The flow-based bilateral filter (section 4.1): smooths along the flow, then across it, among similar colours."""
+"""The flow-based bilateral filter (section 4.1): smooth along the flow, then across it, among similar colours."""
 
 from __future__ import annotations
 
@@ -13,18 +13,19 @@ from flowabs_nodes.filters import validate
 from flowabs_nodes.filters.regions.bilateral_line import line_pass
 from flowabs_nodes.filters.regions.range_weights import (
     Pass,
+    Records,
+    WeightExponents,
     add_sample,
     as_records,
     load_color,
     load_sums,
     partial_coverage,
-    range_exponent,
     record_size,
     run_passes,
-    spatial_exponents,
     start_sums,
     store_mean,
     store_sums,
+    weight_exponents,
 )
 from flowabs_nodes.sampling.chain_code import decode_offsets, encode_streamlines
 from flowabs_nodes.sampling.coords import Raster, padded_rows, raster_of
@@ -61,7 +62,10 @@ def fbl(
     sampling: str = "nearest",
     alpha: npt.ArrayLike | None = None,
 ) -> Array:
-    """Flow-based bilateral filter, eqs. 12-14: C_e along the flow, then C_g across it, ``iterations`` times.
+    """Smooth a picture by eqs. 12-14: C_e along the flow, then C_g across it, ``iterations`` times.
+
+    Both are bilateral filters in one dimension: weighted means of the colours at whole steps along the streamline c_x
+    (C_e) or the gradient axis l_x (C_g), weighted by the distance along it and by the difference of colour.
 
     Parameters
     ----------
@@ -70,17 +74,18 @@ def fbl(
     flow
         (H, W, 2), unit tangents, x right and y down; the sign has no meaning.
     sigma_e, sigma_g
-        Sigma of the Gaussian along and across the flow, in pixels, 0 to 10,000; 0 leaves that pass out. With nearest
-        pixels walks of up to 16 steps (``sigma_e`` 5.3) are written down once, 8 bytes a pixel for each 8 steps.
+        Sigma of the spatial kernel along and across the flow, in pixels, 0 to 10,000; 0 leaves that pass out. With
+        nearest pixels, streamlines of up to 16 steps (``sigma_e`` 5.3) are encoded once, in 8 bytes a pixel for each
+        8 steps.
     r_e, r_g
-        Sigma of the Gaussian of colour differences along and across the flow, in code values, above 0 (eq. 13).
+        Sigma of the range kernel along and across the flow (eq. 13), in code values, above 0.
     iterations
         At least 0; 0 gives a copy.
     sampling
-        How curve and gradient line are read, "nearest" pixel (crisper, faster) or "bilinear".
+        How the picture is sampled along streamlines and gradient axes: "nearest" pixel (crisper, faster) or "bilinear".
     alpha
-        (H, W), coverage: every reading's weight is multiplied by its alpha, so that the colour of what is not there
-        never shows. Pixels with alpha 0 or less keep their value. None is 1 everywhere.
+        Coverage, (H, W). The weight of every sample is multiplied by its alpha, so that the colour of an uncovered
+        pixel never shows. Pixels with alpha 0 or less keep their value. None is 1 everywhere.
 
     Returns
     -------
@@ -106,105 +111,93 @@ def fbl(
     if sigma_g > 0:
         passes.append(line_pass(flow, True, None, sigma_g, r_g, bilinear, covered, raster))
     picture = as_records(codes, covered, raster)
-    del codes  # their memory is free for the passes if nobody else holds them
+    del codes  # gives the passes this memory if the caller does not hold it either
     return run_passes(picture, raster, passes, iterations)
 
 
 def _pass_along(flow: Array, sigma: float, r: float, bilinear: bool, alpha: Array | None, raster: Raster) -> Pass:
-    """C_e, eq. 12: along walks that are written down, where they can be."""
-    tangents, near, like = padded_rows(flow, raster).view(np.complex64), spatial_exponents(sigma), range_exponent(r)
+    """Return the pass C_e of eq. 12, over streamlines that are encoded once if they are short and sampled nearest."""
+    tangents, weights = padded_rows(flow, raster).view(np.complex64), weight_exponents(sigma, r)
     by_alpha = None if alpha is None else True
-    chain = None if bilinear else encode_streamlines(tangents, near.size - 1, raster)
+    chain = None if bilinear else encode_streamlines(tangents, weights.spatial.size - 1, raster)
 
-    def smooth(picture: Array, smoothed: Array) -> None:
+    def smooth(values: Array, smoothed: Array) -> None:
+        picture = Records(values, raster, by_alpha)
         if chain is not None:
-            over_rows(_along_moves, raster.height, picture, chain, near, like, by_alpha, raster, smoothed)
+            over_rows(_along_encoded, raster.height, picture, chain, weights, smoothed)
         else:
-            marks = True if bilinear else None, by_alpha
-            over_rows(_along_walks, raster.height, picture, tangents, near, like, *marks, raster, smoothed)
+            over_rows(_along_flow, raster.height, picture, tangents, weights, True if bilinear else None, smoothed)
 
     return smooth
 
 
 @kernel
-def _along_moves(
-    first: int,
-    last: int,
-    picture: Any,
-    chain: Any,
-    spatial_exponents: Any,
-    range_exponent: float,
-    alpha: Any,
-    raster: Raster,
-    smoothed: Any,
+def _along_encoded(
+    first: int, last: int, picture: Records, chain: Any, weights: WeightExponents, smoothed: Any
 ) -> None:
-    """Eq. 12 along walks that are written down, two times sixteen pixels at a time."""
-    coords, size, steps = new_sample_coords(), record_size(alpha), spatial_exponents.size - 1
+    """Smooth rows ``first`` .. ``last`` - 1 by eq. 12, over the streamlines of a chain code, sampled nearest.
+
+    Two blocks of sixteen pixels take turns: one is decoded while the gathers of the other are under way.
+    """
+    values, raster, alpha = picture
+    spatial, range_exponent = weights
+    coords, size, steps = new_sample_coords(), record_size(alpha), spatial.size - 1
     below = row_below(raster, size)
     for y in range(first, last):
         for x0 in range(0, raster.stride, 2 * LANES):
             for block in range(2):
                 x = min(x0 + block * LANES, raster.stride - LANES)
-                prefetch_rows(picture, smoothed, x, y, steps + 1, raster, size)
+                prefetch_rows(values, smoothed, x, y, steps + 1, raster, size)
                 decode_offsets(chain, steps, x, y, raster, size, coords.place, block * 2 * steps * LANES)
             for block in range(2):
                 pixel = y * raster.stride + min(x0 + block * LANES, raster.stride - LANES)
-                centre = load_color(picture, pixel, alpha)
+                centre = load_color(values, pixel, alpha)
                 sums = start_sums(centre)
                 for s in range(1, steps + 1):
-                    for way in range(2):
+                    for way in range(2):  # c_x(s), c_x(-s)
                         at = (2 * (block * steps + s - 1) + way) * LANES
-                        there = sample(picture, below, coords, at, None, alpha)
-                        sums = add_sample(sums, centre, there, spatial_exponents[s], range_exponent, alpha)
+                        there = sample(values, below, coords, at, None, alpha)
+                        sums = add_sample(sums, centre, there, spatial[s], range_exponent, alpha)  # eq. 12
                 store_mean(sums, centre, smoothed, pixel, alpha)
 
 
 @kernel
-def _along_walks(
-    first: int,
-    last: int,
-    picture: Any,
-    flow: Any,
-    spatial_exponents: Any,
-    range_exponent: float,
-    bilinear: Any,
-    alpha: Any,
-    raster: Raster,
-    smoothed: Any,
+def _along_flow(
+    first: int, last: int, picture: Records, flow: Any, weights: WeightExponents, bilinear: Any, smoothed: Any
 ) -> None:
-    """Eq. 12 along walks as they are taken."""
-    curves, coords, size, steps = (
-        new_streamlines(),
-        new_sample_coords(),
-        record_size(alpha),
-        spatial_exponents.size - 1,
-    )
-    so_far = scratch(np.float32, 16)  # the sums of four times sixteen pixels
+    """Smooth rows ``first`` .. ``last`` - 1 by eq. 12, over streamlines that are integrated step by step.
+
+    The streamlines of 64 pixels, both ways, are under way at once (:mod:`~flowabs_nodes.sampling.streamline`).
+    ``flow`` is (H, stride) complex64, flattened; ``bilinear`` is True, or None for nearest pixels.
+    """
+    values, raster, alpha = picture
+    spatial, range_exponent = weights
+    curves, coords, size, steps = new_streamlines(), new_sample_coords(), record_size(alpha), spatial.size - 1
+    so_far = scratch(np.float32, 16)  # the sums of four blocks of sixteen pixels
     below = row_below(raster, size)
     for y in range(first, last):
         for x0 in range(0, raster.stride, BATCH // 2):
             start(curves, flow, x0, y, raster)
             for at in range(0, BATCH, 2 * LANES):
                 x = block_column(x0, at, raster)
-                prefetch_rows(picture, smoothed, x, y, steps + 1, raster, size)
+                prefetch_rows(values, smoothed, x, y, steps + 1, raster, size)
                 prefetch_tangents(flow, x, y, steps + 1, raster)
-                store_sums(so_far, at // (2 * LANES), start_sums(load_color(picture, y * raster.stride + x, alpha)))
+                store_sums(so_far, at // (2 * LANES), start_sums(load_color(values, y * raster.stride + x, alpha)))
             for s in range(1, steps + 1):
                 for at in range(0, BATCH, LANES):
                     x = block_column(x0, at, raster)
                     advance(curves, at, x, y, raster)
                     locate(coords, at, load(curves.dx, at), load(curves.dy, at), x, y, raster, size, bilinear)
                 for at in range(0, BATCH, 2 * LANES):
-                    centre = load_color(picture, y * raster.stride + block_column(x0, at, raster), alpha)
+                    centre = load_color(values, y * raster.stride + block_column(x0, at, raster), alpha)
                     sums = load_sums(so_far, at // (2 * LANES))
-                    for way in range(2):
-                        there = sample(picture, below, coords, at + way * LANES, bilinear, alpha)
-                        sums = add_sample(sums, centre, there, spatial_exponents[s], range_exponent, alpha)
+                    for way in range(2):  # c_x(s), c_x(-s)
+                        there = sample(values, below, coords, at + way * LANES, bilinear, alpha)
+                        sums = add_sample(sums, centre, there, spatial[s], range_exponent, alpha)  # eq. 12
                     store_sums(so_far, at // (2 * LANES), sums)
                 if s < steps:
                     turn(curves, flow)
             for at in range(0, BATCH, 2 * LANES):
                 pixel = y * raster.stride + block_column(x0, at, raster)
-                store_mean(
-                    load_sums(so_far, at // (2 * LANES)), load_color(picture, pixel, alpha), smoothed, pixel, alpha
-                )
+                sums, centre = load_sums(so_far, at // (2 * LANES)), load_color(values, pixel, alpha)
+                store_mean(sums, centre, smoothed, pixel, alpha)

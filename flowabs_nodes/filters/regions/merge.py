@@ -1,4 +1,9 @@
-"""Connected regions of like colour: small ones join their neighbours, and each gets one colour."""
+"""Region merging: connected regions of like colour get one colour each, after small ones merged with a neighbour.
+
+Regions are the trees of a disjoint-set forest over the pixels, numbered y W + x: ``parent[i]`` leads from pixel i
+towards the root of its tree. The root is the region's first pixel in reading order, so that the order in which regions
+merge does not matter. ``size`` (pixels) and ``total`` (sums of colours, (H W, 3) float64) are kept at the roots.
+"""
 
 from __future__ import annotations
 
@@ -11,66 +16,80 @@ from flowabs_nodes.array_types import Array
 from flowabs_nodes.simd.jit import inlined, kernel
 
 
-def flatten_regions(image: Array, there: npt.NDArray[np.bool_], limit: float, min_region: int) -> None:
-    """Give every region the mean of its colours, those of fewer than ``min_region`` pixels joined before; in place.
+def flatten_regions(image: Array, covered: npt.NDArray[np.bool_], limit: float, min_region: int) -> None:
+    """Give every region the mean of its colours, in place, after merging regions of fewer than ``min_region`` pixels.
 
-    Pixels that are ``there`` and touch at a side are of one region where their colours differ by at most ``limit``
-    (Euclidean). In rounds, each region that is too small joins the neighbour whose mean colour is nearest (of equals,
-    the one found first, row by row), until none is too small or has no neighbour left.
+    Neighbouring pixels (4-connected) belong to one region where their colours differ by at most ``limit``. In rounds,
+    each region that is too small merges with the neighbour whose mean colour is nearest (of equals, the one found
+    first, row by row), until no region is too small or the small ones have no neighbour left.
+
+    Parameters
+    ----------
+    image
+        Colours, (H, W, 3) float32, changed in place.
+    covered
+        (H, W); pixels that are not covered belong to no region and keep their colour.
+    limit
+        Largest Euclidean distance of colours within a region from pixel to pixel, in the image's units.
+    min_region
+        Fewest pixels of a region.
     """
-    _flatten(image, there, float(limit), min_region)
+    _flatten(image, covered, float(limit), min_region)
 
 
 @kernel
-def _flatten(image: Any, there: Any, limit: float, min_region: int) -> None:
+def _flatten(image: Any, covered: Any, limit: float, min_region: int) -> None:
+    """Do the work of :func:`flatten_regions`, on one thread: each round depends on the one before."""
     height, width, _ = image.shape
     count = height * width
-    parent = np.arange(count)  # of a forest, in which each tree is a region and its root names it
+    parent = np.arange(count)
     for y in range(height):
         for x in range(width):
             i = y * width + x
-            if x + 1 < width and there[y, x] and there[y, x + 1] and _alike(image[y, x], image[y, x + 1], limit):
-                _unite(parent, i, i + 1)
-            if y + 1 < height and there[y, x] and there[y + 1, x] and _alike(image[y, x], image[y + 1, x], limit):
-                _unite(parent, i, i + width)
+            if x + 1 < width and covered[y, x] and covered[y, x + 1] and _alike(image[y, x], image[y, x + 1], limit):
+                _union(parent, i, i + 1)
+            if y + 1 < height and covered[y, x] and covered[y + 1, x] and _alike(image[y, x], image[y + 1, x], limit):
+                _union(parent, i, i + width)
 
     size, total = np.zeros(count, np.int64), np.zeros((count, 3))
     for i in range(count):
         _add(parent, i, image[i // width, i % width], size, total)
 
+    # Of each small region's root: the root of its nearest neighbour, and their squared distance in colour.
     nearest, distance = np.empty(count, np.int64), np.empty(count)
-    joined = True
-    while joined:
+    merged = True
+    while merged:
         nearest[:], distance[:] = -1, np.inf
         for y in range(height):
             for x in range(width):
                 i = y * width + x
-                if x + 1 < width and there[y, x] and there[y, x + 1]:
-                    _meet(_root(parent, i), _root(parent, i + 1), size, total, min_region, nearest, distance)
-                if y + 1 < height and there[y, x] and there[y + 1, x]:
-                    _meet(_root(parent, i), _root(parent, i + width), size, total, min_region, nearest, distance)
-        joined = False
+                if x + 1 < width and covered[y, x] and covered[y, x + 1]:
+                    _compare(_root(parent, i), _root(parent, i + 1), size, total, min_region, nearest, distance)
+                if y + 1 < height and covered[y, x] and covered[y + 1, x]:
+                    _compare(_root(parent, i), _root(parent, i + width), size, total, min_region, nearest, distance)
+        merged = False
         for i in range(count):
             if nearest[i] >= 0:
                 a, b = _root(parent, i), _root(parent, nearest[i])
                 if a != b:
-                    _unite(parent, a, b)
+                    _union(parent, a, b)
                     kept, gone = min(a, b), max(a, b)
                     size[kept] += size[gone]
                     for c in range(3):
                         total[kept, c] += total[gone, c]
-                    joined = True
+                    merged = True
 
     for y in range(height):
         for x in range(width):
             root = _root(parent, y * width + x)
             for c in range(3):
-                if there[y, x]:
+                if covered[y, x]:
                     image[y, x, c] = np.float32(total[root, c] / size[root])
 
 
 @inlined
 def _alike(one: Any, other: Any, limit: float) -> bool:
+    """Return whether two colours (3,) differ by at most ``limit``."""
     square = 0.0
     for c in range(3):
         square += (np.float64(one[c]) - other[c]) ** 2
@@ -79,6 +98,7 @@ def _alike(one: Any, other: Any, limit: float) -> bool:
 
 @inlined
 def _root(parent: Any, i: int) -> int:
+    """Return the root of pixel i, and shorten the way to it (path halving)."""
     while parent[i] != i:
         parent[i] = parent[parent[i]]
         i = parent[i]
@@ -86,14 +106,15 @@ def _root(parent: Any, i: int) -> int:
 
 
 @inlined
-def _unite(parent: Any, i: int, j: int) -> None:
-    """The root is the first pixel of a region, so that it does not matter what was united first."""
+def _union(parent: Any, i: int, j: int) -> None:
+    """Merge the regions of the pixels i and j; the smaller root stays a root."""
     i, j = _root(parent, i), _root(parent, j)
     parent[max(i, j)] = min(i, j)
 
 
 @inlined
 def _add(parent: Any, i: int, colour: Any, size: Any, total: Any) -> None:
+    """Count pixel i and its colour in its region."""
     root = _root(parent, i)
     size[root] += 1
     for c in range(3):
@@ -101,8 +122,11 @@ def _add(parent: Any, i: int, colour: Any, size: Any, total: Any) -> None:
 
 
 @inlined
-def _meet(a: int, b: int, size: Any, total: Any, min_region: int, nearest: Any, distance: Any) -> None:
-    """Two regions touch: each may be what the other, if it is small, has nearest."""
+def _compare(a: int, b: int, size: Any, total: Any, min_region: int, nearest: Any, distance: Any) -> None:
+    """Note for two regions that touch, with roots a and b, that each may be the nearest neighbour of the other.
+
+    Only small regions have their nearest neighbour noted.
+    """
     if a == b or (size[a] >= min_region and size[b] >= min_region):
         return
     square = 0.0

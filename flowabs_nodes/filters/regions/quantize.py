@@ -1,4 +1,4 @@
-"""Region flattening (section 4.1): luminance in bins of one size, with hard or soft steps."""
+"""Region flattening (section 4.1): quantise lightness in bins of one size, with hard or soft steps."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from flowabs_nodes.simd.lanes import floor, from_doubles, maximum, minimum, rint
 from flowabs_nodes.simd.memory import load, store
 from flowabs_nodes.simd.pixelwise import any_nan, as_picture, as_run, empty_run, first_pixel, over_pixels, zero_or_nan
 
-Steps = tuple[float, float]  # levels per L*, and softness
+Steps = tuple[float, float]  # bins per unit of L*, and the softness of the step between bins
 
 
 def quantize(lstar: npt.ArrayLike, levels: int = 8, softness: float = 0.0) -> Array:
-    """Lightness in ``levels`` bins of 0..100: the middle of the bin that it falls in.
+    """Replace each lightness by the middle of its bin, of ``levels`` equal bins of 0..100.
 
     With D = 100 / levels and u = L* / D: Q = (max(1, ceil(u - 1e-3)) - 1/2) D. White is in bin ``levels``, zero and
     below in bin 1, and bins go on above white. With softness s, Q = (e - 1/2 + 3 t^2 - 2 t^3) D, where e = round(u) and
@@ -31,7 +31,7 @@ def quantize(lstar: npt.ArrayLike, levels: int = 8, softness: float = 0.0) -> Ar
     levels
         Number of bins up to white, at least 1; typically 4 to 10.
     softness
-        Width of the step from one bin to the next, 0 (hard) to 1, of a bin.
+        Width of the ramp from one bin to the next as a part of a bin, 0 (a hard step) to 1.
 
     Returns
     -------
@@ -53,6 +53,7 @@ def quantize(lstar: npt.ArrayLike, levels: int = 8, softness: float = 0.0) -> Ar
 
 @kernel
 def _quantize(first: int, last: int, lstar: Any, steps: Steps, flat: Any) -> Any:
+    """Quantise the blocks ``first`` .. ``last`` - 1 of sixteen pixels; return whether a number is not finite."""
     total = splat_floats(0.0)
     for block in range(first, last):
         i = first_pixel(block, lstar.size)
@@ -64,7 +65,7 @@ def _quantize(first: int, last: int, lstar: Any, steps: Steps, flat: Any) -> Any
 
 @inlined
 def middle(lightness: Any, steps: Steps) -> Any:
-    """Q of L*; ``steps`` are levels per L*, and softness."""
+    """Return Q of sixteen L*, in L*, as :func:`quantize` defines it."""
     per, softness = steps
     level = to_doubles(lightness) * per
     if softness == 0:
@@ -76,6 +77,6 @@ def middle(lightness: Any, steps: Steps) -> Any:
 
 @inlined
 def _ceil(x: Any) -> Any:
-    """The next whole number of doubles, as floats."""
+    """Return sixteen float64, rounded up to whole numbers, as float32."""
     near = -floor(-from_doubles(x))
-    return select(x > to_doubles(near), near + 1.0, near)  # what is just above it was rounded to it
+    return select(x > to_doubles(near), near + 1.0, near)  # if x was rounded down to a whole number, the next one

@@ -1,11 +1,13 @@
-"""Averages among similar colours (eqs. 12-14): what the flow-based and the oriented bilateral filters share.
+"""Weighted means among similar colours (eqs. 12-14): what the flow-based and the oriented bilateral filters share.
 
-Each pass is a weighted mean of readings along some line or curve through a pixel: weight alpha G(s) h, where G falls
-with the distance s along the line and h, eq. 13, with the difference of colour from the pixel in the middle.
+Each pass replaces a pixel by the weighted mean of samples along a line or curve through this pixel, the centre. The
+weight of a sample is alpha G(s) h: the spatial kernel G falls with the distance s along the line, the range kernel h
+(eq. 13) with the difference of colour from the centre. Tomasi and Manduchi call the two closeness and similarity.
 
-Pictures are records of three floats, L, a, b, or where there is an alpha of four, L, a, b, alpha. Kernels have an
-argument ``alpha``, None or not, by which numba leaves out what does not happen. Behind the last record there is room
-for two floats more: records are read four floats at a time, bilinearly eight.
+A picture is a 1-D array of records, (H, stride, 3) or (H, stride, 4) flattened: L, a, b, and alpha where there is one.
+Two floats of padding follow the last record, because gathers read a record four floats at a time, and two neighbouring
+records eight at a time. The argument ``alpha`` of a compiled kernel is True for records of four and None for records of
+three; numba drops the branches that None rules out.
 """
 
 from __future__ import annotations
@@ -26,19 +28,32 @@ from flowabs_nodes.simd.jit import kernel
 from flowabs_nodes.simd.lanes import LANES, inlined, select, splat_floats
 from flowabs_nodes.simd.memory import load, load_quads, load_triples, store, store_quads, store_triples
 
-#: Fills its second argument from the first.
+#: Smooths the records of its first argument and writes the result to its second.
 Pass = Callable[[Array, Array], Any]
 
 
-def coverage(alpha: npt.ArrayLike | None, codes: Array) -> Array:
-    """``alpha`` as (H, W), 1 everywhere where there is none."""
-    if alpha is None:
-        return np.broadcast_to(np.float32(1), codes.shape[:2])
-    return validate.plane("alpha", alpha, codes.shape)
+class Records(NamedTuple):
+    """A picture to be smoothed, as one argument of a compiled kernel."""
+
+    values: Any  # the 1-D array of records
+    raster: Raster
+    alpha: Any  # True where the records hold alpha, None where they do not
+
+
+class WeightExponents(NamedTuple):
+    """The logarithms to base 2 of the two kernels' weights, so that their product is one power of two."""
+
+    spatial: Any  # (steps + 1,) float32: log2 G(s) of s = 0, 1 .. steps
+    range: Any  # float32: log2 h per squared colour difference
+
+
+def weight_exponents(sigma: float, r: float) -> WeightExponents:
+    """Return the exponents of a spatial kernel of ``sigma`` pixels and a range kernel of ``r`` code values."""
+    return WeightExponents(spatial_exponents(sigma), range_exponent(r))
 
 
 def partial_coverage(alpha: npt.ArrayLike | None, codes: Array) -> Array | None:
-    """``alpha`` as (H, W); None where it is 1 everywhere."""
+    """Return ``alpha``, checked, as (H, W) float32; None where it is None or 1 in every pixel."""
     if alpha is None:
         return None
     covered = validate.plane("alpha", alpha, codes.shape)
@@ -46,12 +61,12 @@ def partial_coverage(alpha: npt.ArrayLike | None, codes: Array) -> Array | None:
 
 
 def smooth_by_passes(codes: Array, alpha: Array | None, raster: Raster, passes: list[Pass], iterations: int) -> Array:
-    """``codes`` after each of the passes in turn, ``iterations`` times."""
+    """Return code values (H, W, 3) after each of the passes in turn, ``iterations`` times; ``alpha`` is (H, W)."""
     return run_passes(as_records(codes, alpha, raster), raster, passes, iterations)
 
 
 def as_records(codes: Array, alpha: Array | None, raster: Raster) -> Array:
-    """A picture as kernels read it."""
+    """Return code values (H, W, 3), and alpha (H, W) if there is one, as a 1-D array of records with its padding."""
     picture = np.empty(raster.height * raster.stride * (3 if alpha is None else 4) + 2, np.float32)
     picture[-2:] = 0
     given = padded_rows(codes, raster)
@@ -63,7 +78,7 @@ def as_records(codes: Array, alpha: Array | None, raster: Raster) -> Array:
 
 
 def run_passes(picture: Array, raster: Raster, passes: list[Pass], iterations: int) -> Array:
-    """The code values that are left of a picture after the passes; its memory is theirs to write in."""
+    """Return the code values (H, W, 3) of a picture of records after the passes, which write to its memory as well."""
     pixels = raster.height * raster.stride
     smoothed = np.empty_like(picture)
     smoothed[-2:] = 0
@@ -74,14 +89,17 @@ def run_passes(picture: Array, raster: Raster, passes: list[Pass], iterations: i
     if picture.size < 4 * pixels:
         result = picture[: 3 * pixels]
     else:
-        result = smoothed[: 3 * pixels]  # its memory is free now
+        result = smoothed[: 3 * pixels]  # scratch memory, free after the last pass
         over_rows(_drop_alpha, raster.height, picture, raster, result)
     return np.ascontiguousarray(result.reshape(raster.height, raster.stride, 3)[:, : raster.width])
 
 
 @kernel
 def _interleave_alpha(first: int, last: int, codes: Any, alpha: Any, raster: Raster, picture: Any) -> None:
-    """Records of four from both; an alpha that is too little is none."""
+    """Write rows ``first`` .. ``last`` - 1 of records of four; an alpha that is too small to divide by becomes 0.
+
+    ``codes`` is (H, stride, 3) and ``alpha`` (H, stride), both flattened.
+    """
     for y in range(first, last):
         for x in range(0, raster.stride, LANES):
             pixel = y * raster.stride + min(x, raster.stride - LANES)
@@ -92,6 +110,7 @@ def _interleave_alpha(first: int, last: int, codes: Any, alpha: Any, raster: Ras
 
 @kernel
 def _drop_alpha(first: int, last: int, picture: Any, raster: Raster, codes: Any) -> None:
+    """Write the colours of rows ``first`` .. ``last`` - 1 of records of four to ``codes``, (H, stride, 3) flattened."""
     for y in range(first, last):
         for x in range(0, raster.stride, LANES):
             pixel = y * raster.stride + min(x, raster.stride - LANES)
@@ -100,20 +119,21 @@ def _drop_alpha(first: int, last: int, picture: Any, raster: Raster, codes: Any)
 
 
 def spatial_exponents(sigma: float) -> Array:
-    """log2 G(0), G(1) .. to one side, without the constant factor."""
+    """Return log2 G(s) of the steps s = 0, 1 .. ceil(3 sigma), float32, without G's constant factor."""
     steps = np.arange(gaussian.radius(sigma) + 1)
     return (-LOG2_E / 2 * (steps / max(sigma, 1e-6)) ** 2).astype(np.float32)
 
 
 def range_exponent(r: float) -> np.float32:
-    """log2 h for a colour difference of 1 (eq. 13), without the constant factor."""
+    """Return log2 h (eq. 13) of a colour difference of 1, without h's constant factor; ``r`` is in code values."""
     return np.float32(max(-LOG2_E / 2 / r / r, -1e30))
 
 
 class Sums(NamedTuple):
-    """The weighted sums of differences of colour from the centre, and the sum of weights.
+    """The numerator and the denominator of the weighted mean, for each of sixteen centres.
 
-    Sums of differences round less than sums of colours would, and constants stay exactly as they are.
+    The numerator sums differences of colour from the centre: they round less than colours would, and a constant
+    picture stays exactly what it is.
     """
 
     l: Any  # noqa: E741
@@ -124,13 +144,13 @@ class Sums(NamedTuple):
 
 @inlined
 def record_size(alpha: Any) -> int:
-    """In a record."""
+    """Return the number of floats in a record."""
     return 3 if alpha is None else 4
 
 
 @inlined
 def load_color(picture: Any, pixel: int, alpha: Any) -> Color:
-    """Of ``pixel`` and the fifteen after it."""
+    """Return the colours of ``pixel`` and of the fifteen pixels after it."""
     if alpha is None:
         l, a, b = load_triples(picture, 3 * pixel)  # noqa: E741
         return Color(l, a, b, splat_floats(1.0))
@@ -140,26 +160,29 @@ def load_color(picture: Any, pixel: int, alpha: Any) -> Color:
 
 @inlined
 def start_sums(centre: Color) -> Sums:
-    """The centre, with its own alpha; its difference is 0."""
+    """Return the sums of the centre alone: its difference from itself is 0, its weight is its alpha."""
     nothing = splat_floats(0.0)
     return Sums(nothing, nothing, nothing, centre.alpha)
 
 
 @inlined
 def add_sample(
-    sums: Sums, centre: Color, reading: Color, spatial_exponents: float, range_exponent: float, alpha: Any
+    sums: Sums, centre: Color, there: Color, spatial_exponent: float, range_exponent: float, alpha: Any
 ) -> Sums:
-    """And one reading for each pixel, with its weight alpha G h."""
-    l, a, b = reading.l - centre.l, reading.a - centre.a, reading.b - centre.b  # noqa: E741
-    weight = exp2_weight((l * l + a * a + b * b) * range_exponent + spatial_exponents)
+    """Return the sums with one more sample of each centre, weighted by alpha G(s) h.
+
+    ``spatial_exponent`` is log2 G(s) of the sample's step, ``range_exponent`` that of :func:`range_exponent`.
+    """
+    l, a, b = there.l - centre.l, there.a - centre.a, there.b - centre.b  # noqa: E741
+    weight = exp2_weight((l * l + a * a + b * b) * range_exponent + spatial_exponent)  # eq. 13: h, times G(s)
     if alpha is not None:
-        weight = weight * reading.alpha
+        weight = weight * there.alpha
     return Sums(sums.l + weight * l, sums.a + weight * a, sums.b + weight * b, sums.weight + weight)
 
 
 @inlined
 def store_sums(memory: Any, k: int, sums: Sums) -> None:
-    """In scratch memory, as the k-th of others; :func:`load_sums` gives them back."""
+    """Write sums to scratch memory (float32), as the k-th of several; :func:`load_sums` returns them."""
     at = 4 * LANES * k
     store(memory, at, sums.l)
     store(memory, at + LANES, sums.a)
@@ -169,13 +192,14 @@ def store_sums(memory: Any, k: int, sums: Sums) -> None:
 
 @inlined
 def load_sums(memory: Any, k: int) -> Sums:
+    """Return the k-th sums that :func:`store_sums` wrote to ``memory``."""
     at = 4 * LANES * k
     return Sums(load(memory, at), load(memory, at + LANES), load(memory, at + 2 * LANES), load(memory, at + 3 * LANES))
 
 
 @inlined
 def store_mean(sums: Sums, centre: Color, smoothed: Any, pixel: int, alpha: Any) -> None:
-    """Write the weighted mean; where alpha is 0 the colour stays what it was."""
+    """Write the weighted means of sixteen pixels, from ``pixel`` on; where alpha is 0 the colour stays the centre's."""
     over = 1.0 / sums.weight
     if alpha is not None:
         over = select(centre.alpha > 0.0, over, 0.0)

@@ -11,7 +11,6 @@ from numba import njit
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters.regions.range_weights import (
     add_sample,
-    coverage,
     load_color,
     load_sums,
     partial_coverage,
@@ -114,7 +113,6 @@ def test_records_have_the_alpha_that_counts(width: int) -> None:
 
 def test_coverage() -> None:
     codes = np.zeros((2, 3, 3), np.float32)
-    np.testing.assert_array_equal(coverage(None, codes), np.ones((2, 3)))
     assert partial_coverage(None, codes) is None
     assert partial_coverage(np.ones((2, 3)), codes) is None
     alpha = np.array([[1, 0.5, 0], [-1, 1e-30, 1e-10]])
