@@ -160,9 +160,9 @@ def test_tiles_and_what_is_done_in_one_go_change_no_bit(monkeypatch, columns, re
     code = noise(70, 101)
     code[30:50, 40:70] = 100  # with tangents missing
     whole = etf(code, 6.0, 4, **options)
-    monkeypatch.setattr(etf_passes, "COLUMNS", columns)
-    monkeypatch.setattr(etf_passes, "WIDER", 0)
-    monkeypatch.setattr(etf_passes, "REACH", reach)
+    monkeypatch.setattr(etf_passes, "TILE_COLUMNS", columns)
+    monkeypatch.setattr(etf_passes, "TILE_TO_HALO", 0)
+    monkeypatch.setattr(etf_passes, "HALO", reach)
     np.testing.assert_array_equal(etf(code, 6.0, 4, **options), whole)
 
 
