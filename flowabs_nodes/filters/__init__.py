@@ -1,6 +1,6 @@
-"""The paper's filters: pure functions on arrays of code values (0..255 white), no files, no graph.
+"""The paper's filters: pure functions on arrays of code values (diffuse white is 255), no files, no graph.
 
-Each is imported when it is first asked for, so that node declarations can be read without numba.
+Each function is imported when it is first asked for, so that node declarations can be read without numba.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ __all__ = [
     "xdog_rho",
 ]
 
-#: Which module of this package holds each function.
+#: The module of this package that holds each function.
 _HOMES = {
     "bilateral": "regions.bilateral",
     "bilateral_oriented": "regions.bilateral_oriented",

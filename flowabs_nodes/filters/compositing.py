@@ -1,4 +1,4 @@
-"""Lines laid over a picture in any ink."""
+"""Composite lines over a picture, in ink of any colour."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from flowabs_nodes.simd.memory import load, store_quads, store_triples
 from flowabs_nodes.simd.pixelwise import any_nan, as_picture, as_run, empty_run, first_pixel, over_pixels, zero_or_nan
 from flowabs_nodes.simd.premultiplied import load_rgba
 
-InkColor = tuple[float, float, float, float]  # red, green, blue and opacity
+InkColor = tuple[float, float, float, float]  # red, green, blue, in the colours of the picture, and opacity
 
 
 def composite(
@@ -28,7 +28,7 @@ def composite(
     opacity: float = 1.0,
     alpha: npt.ArrayLike | None = None,
 ) -> Array:
-    """Ink over a picture: rgb (1 - k) + ink A k with k = (1 - lines) opacity.
+    """Lay ink over a picture: rgb (1 - k) + ink A k with k = (1 - lines) opacity.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ def composite(
     opacity
         0 to 1.
     alpha
-        A, (H, W): there is ink only where there is a picture. None is 1 everywhere.
+        A, (H, W): ink covers a pixel as far as the picture does. None is 1 everywhere.
 
     Returns
     -------
@@ -63,11 +63,14 @@ def composite(
 
 
 def inked(pixels: Array, lines: Array, ink: InkColor, alpha: Array | None = None) -> Array:
-    """Ink over a picture of (H, W, 3), or one of (H, W, 4) with its own alpha, which stays."""
+    """Return a picture with ink over it: (H, W, 3), or (H, W, 4) with an alpha of its own, which stays as it was.
+
+    Parameters are those of :func:`composite`, checked but for finiteness: ArgumentError if a pixel is not finite.
+    """
     channels = pixels.shape[2]
-    drawing, there = as_run(lines), np.empty(0, np.float32) if alpha is None else as_run(alpha)
+    drawing, coverage = as_run(lines), np.empty(0, np.float32) if alpha is None else as_run(alpha)
     result = empty_run(lines.size, channels)
-    if any(over_pixels(_composite, drawing.size, as_run(pixels, channels), channels, drawing, ink, there, result)):
+    if any(over_pixels(_composite, drawing.size, as_run(pixels, channels), channels, drawing, ink, coverage, result)):
         for name, array in (("rgb", pixels), ("lines", lines), ("alpha", alpha)):
             if array is not None:
                 refuse_non_finite(name, array)
@@ -76,8 +79,13 @@ def inked(pixels: Array, lines: Array, ink: InkColor, alpha: Array | None = None
 
 @kernel
 def _composite(
-    first: int, last: int, pixels: Any, channels: int, lines: Any, ink: InkColor, alpha: Any, result: Any
-) -> Any:
+    first: int, last: int, pixels: Array, channels: int, lines: Array, ink: InkColor, alpha: Array, result: Array
+) -> bool:
+    """Write the blocks of sixteen pixels ``first`` .. ``last`` - 1, and return whether any number was not finite.
+
+    ``pixels`` and ``result`` are (H, W, channels) flattened, ``lines`` and ``alpha`` (H, W); an empty ``alpha`` stands
+    for the picture's own, or 1.
+    """
     total = splat_floats(0.0)
     for block in range(first, last):
         i = first_pixel(block, lines.size)
@@ -91,12 +99,13 @@ def _composite(
             store_quads(result, 4 * i, (r, g, b, a))
         else:
             store_triples(result, 3 * i, (r, g, b))
-    return any_nan(total)
+    found: bool = any_nan(total)
+    return found
 
 
 @inlined
 def over(r: Any, g: Any, b: Any, a: Any, line: Any, ink: InkColor) -> Any:
-    """Ink on premultiplied pixels."""
+    """Return r, g and b of sixteen premultiplied pixels of coverage a, with ink over them where ``line`` is below 1."""
     red, green, blue, opacity = ink
     k = (1.0 - line) * opacity
     paper, cover = 1.0 - k, a * k

@@ -1,4 +1,4 @@
-"""Gaussians as every filter samples them: cut at ceil(3 sigma), taken at whole steps, normalised to sum 1."""
+"""Gaussians as every filter samples them: cut at ceil(3 sigma), taken at whole steps, normalised to a sum of 1."""
 
 from __future__ import annotations
 
@@ -10,32 +10,32 @@ from flowabs_nodes.array_types import Float64
 
 
 def radius(sigma: float) -> int:
-    """Number of steps to each side: ceil(3 sigma)."""
+    """Return the number of steps to either side of the centre: ceil(3 sigma)."""
     return math.ceil(3 * sigma)
 
 
 def half(sigma: float, steps: int | None = None) -> Float64:
-    """One side of G(sigma) (eq. 7): weights of the offsets 0, 1 .. ``steps`` (ceil(3 sigma) unless given).
+    """Return one side of G(sigma): the weights of the offsets 0, 1 .. ``steps``, ceil(3 sigma) unless given.
 
-    Both sides together, the centre counted once, sum to 1. ``sigma`` 0 is all centre.
+    Both sides together, the centre counted once, sum to 1. With a ``sigma`` of 0 pixels the centre has all the weight.
     """
     steps = radius(sigma) if steps is None else steps
     weights = np.zeros(steps + 1)
     weights[0] = 1.0
     if sigma > 0.01:  # below, the neighbours' weights underflow
-        weights[1:] = np.exp(-(np.arange(1, steps + 1) ** 2) / (2 * sigma * sigma))
+        weights[1:] = np.exp(-(np.arange(1, steps + 1) ** 2) / (2 * sigma * sigma))  # eq. 7
     both = 2 * float(weights.sum()) - 1  # the centre, 1, counted once
     return weights / both
 
 
-#: sigma_s / sigma_c of eq. 8: with it a difference of Gaussians is about the Laplacian of a Gaussian (Marr, Hildreth).
+#: sigma_s / sigma_c in eq. 8: at 1.6 the difference of Gaussians is close to a Laplacian of Gaussian (Marr, Hildreth).
 SURROUND = 1.6
 
 
 def difference(sigma_c: float, rho: float) -> Float64:
     """Return one side of f (eq. 8): G(sigma_c) - rho G(sigma_s), both over ceil(3 sigma_s) steps."""
     inner, outer = centre_and_surround(sigma_c)
-    return inner - rho * outer
+    return inner - rho * outer  # eq. 8
 
 
 def centre_and_surround(sigma_c: float) -> tuple[Float64, Float64]:

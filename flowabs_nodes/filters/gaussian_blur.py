@@ -1,13 +1,13 @@
-"""The plain Gaussian blur, separable, border repeated."""
+"""Gaussian blur: separable, the border repeated."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from flowabs_nodes.array_types import Array
+from flowabs_nodes.array_types import Array, Float64
 from flowabs_nodes.filters import gaussian, validate
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.border import repeat_left, repeat_right
@@ -17,7 +17,7 @@ from flowabs_nodes.simd.memory import load, store
 
 
 def blur(image: npt.ArrayLike, sigma: float = 1.0) -> Array:
-    """Gaussian blur of each channel, the border repeated.
+    """Blur each channel with a Gaussian, the border repeated.
 
     Parameters
     ----------
@@ -42,25 +42,38 @@ def blur(image: npt.ArrayLike, sigma: float = 1.0) -> Array:
     return separable(image, gaussian.half(sigma))
 
 
-def separable(image: Array, weights: npt.NDArray[np.float64]) -> Array:
-    """The weighted sum over rows, then columns, in float64; ``weights``: of the offsets 0, 1 .. to either side."""
+class RowsShape(NamedTuple):
+    """The shape of an image (H, W, C) whose rows are longer in memory than W C items."""
+
+    height: int
+    width: int
+    channels: int
+    stride: int  # items from one row to the next, at least sixteen
+
+
+def separable(image: Array, weights: Float64) -> Array:
+    """Return the weighted sum over rows, then columns, of (H, W) or (H, W, C) float32; summed in float64.
+
+    ``weights`` are those of the offsets 0, 1 .. to either side.
+    """
     height, width = image.shape[:2]
     rows = image.reshape(height, -1)
     channels = rows.shape[1] // width
-    if rows.shape[1] < LANES:  # what is beyond the width is cut off again
+    if rows.shape[1] < LANES:  # the padding is cut off again
         rows = np.pad(rows, ((0, 0), (0, LANES - rows.shape[1])))
     blurred = np.empty_like(rows)
-    over_rows(_blur, height, rows.reshape(-1), height, rows.shape[1], width, channels, weights, blurred.reshape(-1))
+    shape = RowsShape(height, width, channels, rows.shape[1])
+    over_rows(_blur, height, rows.reshape(-1), shape, weights, blurred.reshape(-1))
     return np.ascontiguousarray(blurred[:, : width * channels]).reshape(image.shape)
 
 
 @kernel
-def _blur(
-    first: int, last: int, rows: Any, height: int, stride: int, width: int, channels: int, weights: Any, blurred: Any
-) -> None:
+def _blur(first: int, last: int, rows: Array, shape: RowsShape, weights: Float64, blurred: Array) -> None:
+    """Write the rows ``first`` .. ``last`` - 1 of the blurred image; ``rows`` and ``blurred`` are flattened."""
+    height, width, channels, stride = shape
     steps = weights.size - 1
     margin, used = steps * channels, width * channels
-    column = np.empty(stride + 2 * margin)  # sums over rows, the border repeated
+    column = np.empty(stride + 2 * margin)  # weighted sums of each column's pixels, the border repeated
     for y in range(first, last):
         for x0 in range(0, stride, LANES):
             x = min(x0, stride - LANES)

@@ -1,4 +1,4 @@
-"""OpenCV, which comes with the extra ``compare`` only."""
+"""OpenCV, installed only with the extra ``compare``."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from flowabs_nodes.errors import FlowabsError
 
 
 def opencv(what: str) -> Any:
-    """The module ``cv2``, or an error that says how ``what`` gets it."""
+    """Return the module ``cv2``; raise FlowabsError if it is not installed, naming ``what`` needs it."""
     try:
         import cv2
     except ImportError as error:

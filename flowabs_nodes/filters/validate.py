@@ -1,8 +1,12 @@
-"""What every filter checks first. Each error names the argument, the rule and the value."""
+"""Check the arguments of filters. Each ArgumentError names the argument, the rule and what was found.
+
+Arrays come back as C-contiguous float32, not copied if they are that already.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -14,37 +18,38 @@ from flowabs_nodes.simd.finite import is_finite, refuse_non_finite
 
 
 def plane(name: str, value: npt.ArrayLike, shape: tuple[int, ...] | None = None, *, check_finite: bool = True) -> Array:
-    """``value`` as a C-contiguous (H, W) float32 array of finite numbers; ``shape`` is the picture it has to fit.
+    """Return ``value`` as (H, W) finite float32, H and W those of ``shape`` if given.
 
-    Without ``check_finite`` the kernel looks at every number itself, and
-    :func:`~flowabs_nodes.simd.finite.refuse_non_finite` is called where it found one.
+    ``check_finite`` is False for a filter whose compiled kernel looks at every number itself; such a filter calls
+    :func:`~flowabs_nodes.simd.finite.refuse_non_finite` when the kernel found a number that is not finite.
     """
     return _fitting(name, _array(name, value, "(H, W)", lambda found: len(found) == 2, check_finite), shape)
 
 
 def planes(name: str, value: npt.ArrayLike, *, check_finite: bool = True) -> Array:
-    """``value`` as a C-contiguous (H, W, 3) float32 array of finite numbers; ``check_finite`` as for :func:`plane`."""
+    """Return ``value`` as (H, W, 3) finite float32; ``check_finite`` as for :func:`plane`."""
     return _array(name, value, "(H, W, 3)", lambda shape: len(shape) == 3 and shape[2] == 3, check_finite)
 
 
 def plane_or_planes(name: str, value: npt.ArrayLike) -> Array:
-    """``value`` as a C-contiguous (H, W) or (H, W, 3) float32 array of finite numbers."""
+    """Return ``value`` as (H, W) or (H, W, 3) finite float32."""
     return _array(
         name, value, "(H, W) or (H, W, 3)", lambda shape: len(shape) == 2 or (len(shape) == 3 and shape[2] == 3)
     )
 
 
 def any_channels(name: str, value: npt.ArrayLike) -> Array:
-    """``value`` as a C-contiguous (H, W) or (H, W, C) float32 array of finite numbers."""
+    """Return ``value`` as (H, W) or (H, W, C) finite float32."""
     return _array(name, value, "(H, W) or (H, W, C)", lambda shape: len(shape) in (2, 3))
 
 
 def flow_field(value: npt.ArrayLike, shape: tuple[int, ...] | None = None, name: str = "flow") -> Array:
-    """``value`` as a flow of (H, W, 2), x then y; ``shape`` is the picture it has to fit."""
+    """Return ``value`` as a flow, (H, W, 2) finite float32, x then y; H and W those of ``shape`` if given."""
     return _fitting(name, _array(name, value, "(H, W, 2)", lambda found: len(found) == 3 and found[2] == 2), shape)
 
 
 def _fitting(name: str, array: Array, shape: tuple[int, ...] | None) -> Array:
+    """Return ``array`` if its height and width are those of ``shape``."""
     if shape is not None and array.shape[:2] != shape[:2]:
         raise ArgumentError(
             f"{name}: expected the size of the picture, {shape[1]}x{shape[0]}, found {array.shape[1]}x{array.shape[0]}",
@@ -61,7 +66,7 @@ def number(
     max: float | None = None,
     above: float | None = None,
 ) -> float:
-    """``value`` as a finite float of at least ``min``, at most ``max``, greater than ``above``."""
+    """Return ``value`` as a finite float of at least ``min``, at most ``max``, greater than ``above``."""
     if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
         raise ArgumentError(f"{name}: expected a number, found {value!r}", code="wrong-type", parameter=name)
     result = float(value)
@@ -80,14 +85,14 @@ def number(
 
 
 def whole(name: str, value: Any, *, min: int | None = None, max: int | None = None) -> int:
-    """``value`` as an int in a range; 1.0 and True are not whole numbers here."""
+    """Return ``value`` as an int from ``min`` to ``max``; 1.0 and True are not whole numbers here."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer):
         raise ArgumentError(f"{name}: expected a whole number, found {value!r}", code="wrong-type", parameter=name)
     return int(number(name, value, min=min, max=max))
 
 
 def choice(name: str, value: Any, choices: tuple[str, ...]) -> str:
-    """``value`` if it is one of ``choices``."""
+    """Return ``value`` if it is one of ``choices``."""
     if value not in choices:
         raise ArgumentError(
             f"{name}: expected one of {', '.join(map(repr, choices))}, found {value!r}",
@@ -98,13 +103,16 @@ def choice(name: str, value: Any, choices: tuple[str, ...]) -> str:
 
 
 def flag(name: str, value: Any) -> bool:
-    """``value`` if it is True or False."""
+    """Return ``value`` if it is True or False."""
     if not isinstance(value, bool | np.bool_):
         raise ArgumentError(f"{name}: expected True or False, found {value!r}", code="wrong-type", parameter=name)
     return bool(value)
 
 
-def _array(name: str, value: npt.ArrayLike, shapes: str, fits: Any, check_finite: bool = True) -> Array:
+def _array(
+    name: str, value: npt.ArrayLike, shapes: str, fits: Callable[[tuple[int, ...]], bool], check_finite: bool = True
+) -> Array:
+    """Return ``value`` as float32 if its shape ``fits``; ``shapes`` says in words which shapes do."""
     array = np.asarray(value)
     if array.dtype.kind not in "fiub":
         raise ArgumentError(
@@ -114,7 +122,7 @@ def _array(name: str, value: npt.ArrayLike, shapes: str, fits: Any, check_finite
         raise ArgumentError(
             f"{name}: expected shape {shapes} with at least one pixel, found {array.shape}", parameter=name
         )
-    if array.shape[0] * array.shape[1] >= 2**29:  # four floats each are counted with int32
+    if array.shape[0] * array.shape[1] >= 2**29:  # kernels count with int32, up to four floats for each pixel
         raise ArgumentError(f"{name}: expected fewer than 2^29 pixels, found {array.shape}", parameter=name)
     with np.errstate(over="ignore"):  # numbers beyond float32 become Inf
         result: Array = np.ascontiguousarray(array, np.float32)

@@ -1,4 +1,4 @@
-"""The edge tangent flow of section 2, neighbour by neighbour, and the confidence fill, cell by cell."""
+"""The edge tangent flow of section 2, neighbour by neighbour, and the confidence fill, cell by cell, in float64."""
 
 from __future__ import annotations
 
@@ -9,7 +9,10 @@ Float64 = npt.NDArray[np.float64]
 
 
 def gradient(code: npt.ArrayLike) -> tuple[Float64, Float64]:
-    """Tangents (zero without gradient) and |g|: Sobel / 8, border repeated; of several channels the tensor's."""
+    """Return tangents (H, W, 2), zero where there is no gradient, and |g| (H, W): Sobel / 8, the border repeated.
+
+    Of several channels (H, W, C), g is the major eigenvector of sum_k g_k g_k^T, |g| the root of its eigenvalue.
+    """
     code = np.asarray(code, np.float64)
     height, width = code.shape[:2]
     padded = np.pad(code.reshape(height, width, -1), ((1, 1), (1, 1), (0, 0)), "edge")
@@ -35,14 +38,17 @@ def etf(
     reference: float | None = None,
     fill: float | None = None,
 ) -> Float64:
-    """Eqs. 1-5 as printed; pixels outside the picture take no part. ``reference`` None is the maximum."""
+    """Return the ETF by eqs. 1-5 as printed; pixels outside the picture take no part.
+
+    ``reference`` is the gradient of full strength, None its maximum; with ``fill`` None tangents may be zero.
+    """
     tangent, magnitude = gradient(code)
     reference = magnitude.max() if reference is None else reference
     strength = np.minimum(magnitude / reference, 1) if reference > 0 else np.zeros_like(magnitude)
     if fill is not None:
         tangent = flow_fill(tangent, magnitude, fill)
     d = range(-int(np.ceil(radius)), int(np.ceil(radius)) + 1)
-    disc = [(dx, dy) for dy in d for dx in d if dx * dx + dy * dy < radius * radius]
+    disc = [(dx, dy) for dy in d for dx in d if dx * dx + dy * dy < radius * radius]  # eq. 2
     row, column = [(k, 0) for k in d if abs(k) < radius], [(0, k) for k in d if abs(k) < radius]
     for _ in range(iterations):
         for offsets in [disc] if kernel == "full" else [row, column]:
@@ -51,6 +57,7 @@ def etf(
 
 
 def _smooth(tangent: Float64, strength: Float64, offsets: list[tuple[int, int]]) -> Float64:
+    """Return the tangents after one application of eq. 1, summed over the pixels at ``offsets`` (dx, dy)."""
     height, width = strength.shape
     total = np.zeros_like(tangent)
     for dx, dy in offsets:  # y = x + (dx, dy), for all x whose y lies in the picture
@@ -66,7 +73,7 @@ def _smooth(tangent: Float64, strength: Float64, offsets: list[tuple[int, int]])
 
 
 def flow_fill(tangent: Float64, magnitude: Float64, fill: float) -> Float64:
-    """Major eigenvectors of a push-pull pyramid of m^2 t t^T; where the confidence is full the tangent stays."""
+    """Return the major eigenvectors of a push-pull pyramid of m^2 t t^T; tangents of m >= ``fill`` stay as they are."""
     confidence = magnitude**2
     tensor = confidence[..., None, None] * tangent[..., :, None] * tangent[..., None, :]
     blended = _fill_level(tensor, confidence, fill, 0)
@@ -81,7 +88,7 @@ def flow_fill(tangent: Float64, magnitude: Float64, fill: float) -> Float64:
 
 
 def _fill_level(tensor: Float64, confidence: Float64, fill: float, level: int) -> Float64:
-    """The blended tensors of one level; each cell averages the pixels of the picture that it covers."""
+    """Return the blended tensors of one level, whose cells are 2^level pixels wide: (rows, columns, 2, 2)."""
     size = 2**level
     height, width = (-(-n // size) for n in confidence.shape)
     coarser = _fill_level(tensor, confidence, fill, level + 1) if max(height, width) > 1 else None
@@ -100,6 +107,7 @@ def _fill_level(tensor: Float64, confidence: Float64, fill: float, level: int) -
 
 
 def _bilinear(cells: Float64, y: float, x: float) -> Float64:
+    """Return the tensor at (x, y) in units of cells, whose centres are whole numbers; the border is repeated."""
     y0, x0 = int(np.floor(y)), int(np.floor(x))
     value = np.zeros(cells.shape[2:])
     for j, i in ((y0, x0), (y0, x0 + 1), (y0 + 1, x0), (y0 + 1, x0 + 1)):
@@ -109,7 +117,7 @@ def _bilinear(cells: Float64, y: float, x: float) -> Float64:
 
 
 def degrees_between(flow: npt.ArrayLike, other: npt.ArrayLike) -> Float64:
-    """Angle between orientations, 0 to 90; tangents that are zero in both agree."""
+    """Return the angle between orientations in degrees, 0 to 90; a tangent of zero agrees with any."""
     a, b = np.asarray(flow, np.float64), np.asarray(other, np.float64)
     cross = np.abs(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
     dot = np.abs((a * b).sum(-1))

@@ -1,14 +1,14 @@
-"""Section 6's "adaptive kernel based on the analysis of scene complexity": a smaller ETF kernel on small texture.
+"""Section 6's "adaptive kernel based on the analysis of scene complexity": a smaller ETF footprint on small texture.
 
-The paper names it as future work and gives no rule. This one asks of every pixel at which scale its surroundings have a
-direction. With J = sum of m^2 (cos 2θ, sin 2θ) under a Gaussian, m the gradient's magnitude and θ its orientation, |J|
-is how much the gradients under it agree. Per kernel radius r,
+The paper names it as future work and gives no rule. The rule here asks at which scale a pixel's surroundings have one
+direction. With m the gradient's magnitude and θ its orientation, let J_1 be the sum of m^2 (cos 2θ, sin 2θ) over the
+pixel and those beside it (under a Gaussian). Then, with means within a radius r (under a Gaussian of sigma r/2),
 
-    agreement = |mean of J_1 within r| / (mean of |J_1| within r),
+    agreement(r) = |mean of J_1| / mean of |J_1|
 
-J_1 that of the pixel and those beside it: 1 along an edge, near 0 where small edges run every way. The kernel is the
-largest of r, r/2, r/4 ... 2.5 px whose agreement is enough, so none that averages small shapes away. Noise has no
-direction even beside a pixel, sum |J_1| much below sum m^2: it keeps the full kernel, which is there to smooth it.
+is 1 along an edge, and near 0 where small edges run every way. A pixel takes the largest of the radii r, r/2, r/4 ..
+2.5 px at which the agreement is high enough, so a footprint does not average small shapes away. Noise has no direction
+even beside a pixel: the sum of |J_1| is much below the sum of m^2. Noise keeps the full footprint, which smooths it.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters.flow.gradient import gradient
 from flowabs_nodes.filters.gaussian_blur import blur
 
-_SMALLEST = 2.5  # px: 21 pixels; the paper draws such texture with 3
-_FINE = 1.0  # px, sigma: the pixel and those beside it
+_SMALLEST = 2.5  # px, a footprint of 21 pixels; the paper draws small texture with mu = 3 (Fig. 10)
+_FINE = 1.0  # px, sigma of the Gaussian of J_1
 _AGREEMENT = 0.5  # edges and corners of photographs have more, nets and dots 0.2
-_DIRECTION = 0.5  # |J_1| of m^2: white noise has 0.4, drawn texture 0.65
+_DIRECTION = 0.5  # mean |J_1| / mean m^2: white noise has 0.4, drawn texture 0.65
 
 
 def radii(radius: float) -> list[float]:
-    """The kernel radii to choose from: ``radius``, its half, its quarter ..., the last 2.5 pixels."""
+    """Return the radii to choose from, in pixels: ``radius``, its half, its quarter .., the last one 2.5."""
     sizes = [radius]
     while sizes[-1] > _SMALLEST:
         sizes.append(max(sizes[-1] / 2, _SMALLEST))
@@ -35,9 +35,9 @@ def radii(radius: float) -> list[float]:
 
 
 def kernel_choice(code: Array, radius: float) -> npt.NDArray[np.uint8]:
-    """Which of ``radii(radius)`` each pixel takes, (H, W); 0 is the full one.
+    """Return which of ``radii(radius)`` each pixel takes: (H, W) uint8, 0 for the full radius.
 
-    ``code`` is the picture without any blur: blurred noise looks like texture.
+    ``code``, (H, W) or (H, W, 3), is the picture before any blur: blurred noise looks like texture.
     """
     tangent, magnitude = gradient(code)
     _, exponent = np.frexp(magnitude.max())

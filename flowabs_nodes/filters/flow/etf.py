@@ -1,13 +1,13 @@
-"""The edge tangent flow (section 2 of the paper), exact, at a cost that grows with the radius and not with its square.
+"""The edge tangent flow (ETF, section 2 of the paper), exact, at a cost that grows with the radius and not its square.
 
 Eq. 1 sums phi w_d t(y) = (t(x).t(y)) t(y) = N(y) t(x) with N = t t^T: eqs. 4 and 5 are the product with a tensor that
 does not depend on x. w_m (eq. 3) is linear in ĝ(y). So, k normalising,
 
     t'(x) = 1/k [(1 - ĝ(x)) sum N + sum ĝN] t(x),
 
-and all that is summed over the kernel is N and ĝN (``footprint_sums.py``). Of a tensor, the trace |t|^2
-never changes from one iteration to the next; what is left is c = t.x^2 - t.y^2 and s = 2 t.x t.y. Sums are integers in
-fixed point, so they are exact however the picture is divided among threads (``etf_passes.py``).
+and only N and ĝN have to be summed over the footprint, the open disc of w_s (``footprint_sums.py``). The trace |t|^2 of
+N is the same in every iteration; the rest of N is c = t.x^2 - t.y^2 and s = 2 t.x t.y (``etf_update.py``). Sums are
+integers in fixed point, so they are exact however the picture is divided among threads (``etf_passes.py``).
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def etf(
     fill: float | None = 0.0,
     adaptive: bool = False,
 ) -> Array:
-    """Edge tangent flow, eqs. 1-5: a smooth field of tangents that keeps the directions of strong edges.
+    """Return the edge tangent flow, eqs. 1-5: a smooth field of tangents that keeps the directions of strong edges.
 
     The sum of eq. 1 is over the image: pixels of the kernel that lie outside the picture take no part.
 
@@ -89,7 +89,7 @@ def etf_and_reference(
     fill: float | None,
     adaptive: bool,
 ) -> tuple[Array, float]:
-    """:func:`etf`, and the gradient that counts as full strength in it, in code values per pixel."""
+    """Return :func:`etf`, and the reference it used: the gradient of full strength, in code values per pixel."""
     code = validate.plane_or_planes("code", code)
     radius = validate.number("radius", radius, min=0)
     iterations = validate.whole("iterations", iterations, min=0)

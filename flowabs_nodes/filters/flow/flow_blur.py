@@ -1,8 +1,8 @@
-"""Gaussian blur along the flow: eq. 11 for any picture."""
+"""Gaussian blur along the streamlines c_x of a flow: eq. 11 for any picture."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -37,11 +37,26 @@ from flowabs_nodes.simd.jit import kernel
 from flowabs_nodes.simd.lanes import LANES, inlined
 from flowabs_nodes.simd.memory import gather_pairs, gather_quads, load, load_pairs, scratch, store
 
-_SUMS = 4 * BLOCKS  # of each channel
+_SUMS = 4 * BLOCKS  # vectors of sums: a row of a tile, four channels
+
+Pairs = npt.NDArray[np.complex64]  # pairs of floats
+
+
+class Row(NamedTuple):
+    """The pixels of a tile's row: ``span`` columns from x0 on, a multiple of sixteen, of row y of a picture.
+
+    Where the picture ends, the last sixteen overlap those before.
+    """
+
+    x0: int
+    span: int
+    y: int
+    height: int  # of the picture
+    width: int
 
 
 def flow_blur(image: npt.ArrayLike, flow: npt.ArrayLike, sigma: float = 2.0, sampling: str = "bilinear") -> Array:
-    """Gaussian blur of each channel along the flow.
+    """Blur each channel along the flow: a Gaussian-weighted mean over every pixel's streamline.
 
     Parameters
     ----------
@@ -50,9 +65,9 @@ def flow_blur(image: npt.ArrayLike, flow: npt.ArrayLike, sigma: float = 2.0, sam
     flow
         (H, W, 2), unit tangents, x right and y down; the sign has no meaning.
     sigma
-        Standard deviation in pixels along the curve, 0 to 10,000; 0 gives a copy. Cut at ceil(3 sigma).
+        Standard deviation in pixels along the streamline, 0 to 10,000; 0 gives a copy. Cut at ceil(3 sigma).
     sampling
-        How the curve is read, "bilinear" or "nearest" pixel.
+        How the image is read along the streamline: "bilinear" or "nearest" pixel.
 
     Returns
     -------
@@ -76,14 +91,23 @@ def flow_blur(image: npt.ArrayLike, flow: npt.ArrayLike, sigma: float = 2.0, sam
 
 
 def as_planes(image: Array) -> Array:
-    """(H, W) or (H, W, C) as (C, H, W)."""
+    """Return an image of (H, W) or (H, W, C) as C-contiguous planes, (C, H, W)."""
     return np.ascontiguousarray(image[None] if image.ndim == 2 else np.moveaxis(image, -1, 0))
 
 
 def along(planes: Array, flow: Array, weights: npt.NDArray[np.float64], sampling: str) -> Array:
-    """The weighted sum of each of up to four planes (C, H, W) over the curve c_x of each pixel (eq. 11).
+    """Return the weighted sum of up to four planes over the streamline c_x of each pixel (eq. 11), (C, H, W) float32.
 
-    ``weights`` are those of the steps 0, 1 .. to either side.
+    Parameters
+    ----------
+    planes
+        (C, H, W) float32.
+    flow
+        (H, W, 2) float32. Tangents that are too long for tiles take a slower path.
+    weights
+        Weights of the steps 0, 1 .. to either side: G(sigma_m) in eq. 11.
+    sampling
+        "bilinear" or "nearest".
     """
     blurred = over_tiles(_along_nearest if sampling == "nearest" else _along_bilinear, planes, flow, weights)
     return exact_sum(planes, flow, np.ones(1), weights, sampling) if blurred is None else blurred
@@ -91,9 +115,13 @@ def along(planes: Array, flow: Array, weights: npt.NDArray[np.float64], sampling
 
 @kernel
 def _along_bilinear(
-    first: int, last: int, planes: Any, shape: PlanesShape, flow: Any, weights: Any, blurred: Any
+    first: int, last: int, planes: Array, shape: PlanesShape, flow: Pairs, weights: Array, blurred: Array
 ) -> bool:
-    """Whether all tangents were short enough."""
+    """Write eq. 11, read bilinearly, for the rows ``first`` .. ``last`` - 1.
+
+    ``planes`` and ``blurred`` are (C, H, W) flattened, ``flow`` one pair per pixel; W is at least sixteen. Returns
+    False, with rows not written, if a tangent is too long for tiles.
+    """
     channels, height, width = shape
     steps = weights.size - 1
     curves, total = new_tiled_streamlines(), scratch(np.float32, _SUMS)
@@ -109,8 +137,9 @@ def _along_bilinear(
             for c in range(channels):
                 fill_lattice(lattices[c * size :], planes, c * height * width, around)
             for y in range(y0, y_end):
-                _start(curves, flow, x0, span, y, width)
-                _start_sums(total, planes, weights[0], 0, channels, x0, span, y, height, width)
+                row = Row(x0, span, y, height, width)
+                _start(curves, flow, row)
+                _start_sums(total, planes, weights[0], 0, channels, row)
                 for s in range(1, steps + 1):
                     if s > 1:
                         for k in range(0, 2 * span, LANES):
@@ -120,37 +149,28 @@ def _along_bilinear(
                         advance(curves, k, s, around, 1)
                     for c in range(channels):
                         for k in range(0, span, LANES):
-                            a, b = _read(lattices[c * size :], curves, 2 * k)
-                            _add(total, c * COLUMNS + k, a + b, weights[s])
-                _finish_sums(total, blurred, 0, channels, x0, span, y, height, width)
+                            one_way = _read(lattices[c * size :], curves, 2 * k)
+                            other_way = _read(lattices[c * size :], curves, 2 * k + LANES)
+                            _add(total, c * COLUMNS + k, one_way + other_way, weights[s])
+                _finish_sums(total, blurred, 0, channels, row)
     return True
 
 
 @inlined
-def _read(lattice: Any, curves: TiledStreamlines, k: int) -> tuple[Any, Any]:
-    """At z of the walks both ways."""
-    a = sample_lattice(
-        lattice,
-        curves.corner,
-        k,
-        fraction_beyond(load(curves.dx, k)),
-        fraction_beyond(load(curves.dy, k)),
-    )
-    k += LANES
-    return a, sample_lattice(
-        lattice,
-        curves.corner,
-        k,
-        fraction_beyond(load(curves.dx, k)),
-        fraction_beyond(load(curves.dy, k)),
-    )
+def _read(lattice: Pairs, curves: TiledStreamlines, k: int) -> Any:
+    """Return a plane's values at the points z that sixteen streamlines, ``curves`` from k on, have come to."""
+    u, v = fraction_beyond(load(curves.dx, k)), fraction_beyond(load(curves.dy, k))
+    return sample_lattice(lattice, curves.corner, k, u, v)
 
 
 @kernel
 def _along_nearest(
-    first: int, last: int, planes: Any, shape: PlanesShape, flow: Any, weights: Any, blurred: Any
+    first: int, last: int, planes: Array, shape: PlanesShape, flow: Pairs, weights: Array, blurred: Array
 ) -> bool:
-    """Two planes at a time: one load brings a tangent and two values. Whether all tangents were short enough."""
+    """Write eq. 11, read at the nearest pixels, as :func:`_along_bilinear` does.
+
+    Two planes are summed at a time: one load brings a tangent and two values.
+    """
     channels, height, width = shape
     steps = weights.size - 1
     curves, total = new_tiled_streamlines(), scratch(np.float32, _SUMS)
@@ -166,59 +186,59 @@ def _along_nearest(
                 if not fill_records(records, flow, planes, pair, around):
                     return False
                 for y in range(y0, y_end):
-                    _start(curves, flow, x0, span, y, width)
-                    _start_sums(total, planes, weights[0], c, c_end, x0, span, y, height, width)
+                    row = Row(x0, span, y, height, width)
+                    _start(curves, flow, row)
+                    _start_sums(total, planes, weights[0], c, c_end, row)
                     for s in range(1, steps + 1):
                         for k in range(0, 2 * span, LANES):
                             advance(curves, k, s, around, 2)
                         for k in range(0, span, LANES):
-                            a, b = _step_to(records, curves, 2 * k)
-                            e, f = _step_to(records, curves, 2 * k + LANES)
+                            a, b = _read_and_turn(records, curves, 2 * k)
+                            e, f = _read_and_turn(records, curves, 2 * k + LANES)
                             _add(total, k, a + e, weights[s])
                             _add(total, COLUMNS + k, b + f, weights[s])
-                    _finish_sums(total, blurred, c, c_end, x0, span, y, height, width)
+                    _finish_sums(total, blurred, c, c_end, row)
     return True
 
 
 @inlined
-def _step_to(records: Any, curves: TiledStreamlines, k: int) -> tuple[Any, Any]:
-    """Turn the walks to t(z); both values there."""
+def _read_and_turn(records: Pairs, curves: TiledStreamlines, k: int) -> tuple[Any, Any]:
+    """Return two planes' values at z for sixteen streamlines, ``curves`` from k on, and turn these to go along t(z)."""
     tx, ty, a, b = gather_quads(records, curves.nearest, k)
     turn(curves, k, tx, ty)
     return a, b
 
 
 @inlined
-def _start(curves: TiledStreamlines, flow: Any, x0: int, span: int, y: int, width: int) -> None:
-    """From ``span`` pixels of row y; the last sixteen overlap others where the picture ends."""
-    for k in range(0, span, LANES):
-        x = min(x0 + k, width - LANES)
-        tx, ty = load_pairs(flow, y * width + x)
-        start(curves, 2 * k, x, y, tx, ty)
-        start(curves, 2 * k + LANES, x, y, -tx, -ty)
+def _start(curves: TiledStreamlines, flow: Pairs, row: Row) -> None:
+    """Start the streamlines of a row's pixels: of each sixteen, along their tangents, then against them."""
+    for k in range(0, row.span, LANES):
+        x = min(row.x0 + k, row.width - LANES)
+        tx, ty = load_pairs(flow, row.y * row.width + x)
+        start(curves, 2 * k, x, row.y, tx, ty)
+        start(curves, 2 * k + LANES, x, row.y, -tx, -ty)
 
 
 @inlined
-def _start_sums(
-    total: Any, planes: Any, weight: Any, c: int, c_end: int, x0: int, span: int, y: int, height: int, width: int
-) -> None:
-    """``total``: for each channel c .. c_end - 1 the weighted values of the centres."""
+def _start_sums(total: Any, planes: Array, weight: Any, c: int, c_end: int, row: Row) -> None:
+    """Write the weighted values of a row's pixels themselves into ``total``, for the channels c .. c_end - 1."""
     for each in range(c, c_end):
-        for k in range(0, span, LANES):
-            x = min(x0 + k, width - LANES)
-            store(total, (each - c) * COLUMNS + k, load(planes, (each * height + y) * width + x) * weight)
+        for k in range(0, row.span, LANES):
+            x = min(row.x0 + k, row.width - LANES)
+            value = load(planes, (each * row.height + row.y) * row.width + x)
+            store(total, (each - c) * COLUMNS + k, value * weight)
 
 
 @inlined
 def _add(total: Any, k: int, values: Any, weight: Any) -> None:
-    store(total, k, load(total, k) + values * weight)
+    """Add sixteen weighted values to ``total`` from k on."""
+    store(total, k, load(total, k) + values * weight)  # eq. 11
 
 
 @inlined
-def _finish_sums(
-    total: Any, blurred: Any, c: int, c_end: int, x0: int, span: int, y: int, height: int, width: int
-) -> None:
+def _finish_sums(total: Any, blurred: Array, c: int, c_end: int, row: Row) -> None:
+    """Write the sums of the channels c .. c_end - 1 into a row of the result."""
     for each in range(c, c_end):
-        for k in range(0, span, LANES):
-            x = min(x0 + k, width - LANES)
-            store(blurred, (each * height + y) * width + x, load(total, (each - c) * COLUMNS + k))
+        for k in range(0, row.span, LANES):
+            x = min(row.x0 + k, row.width - LANES)
+            store(blurred, (each * row.height + row.y) * row.width + x, load(total, (each - c) * COLUMNS + k))

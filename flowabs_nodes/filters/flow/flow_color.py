@@ -1,4 +1,4 @@
-"""The paper's Fig. 5: orientation as RGB."""
+"""Orientations of a flow as RGB, as in the paper's Fig. 5."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _HALF_ROOT_3 = math.sqrt(3) / 2
 
 
 def flow_color(flow: npt.ArrayLike) -> Array:
-    """Colour of each orientation, for comparing flows by eye or by number (Fig. 5).
+    """Return a colour for each orientation, for comparing flows by eye or by number (Fig. 5).
 
     A tangent at angle θ (x right, y down) becomes ½ + ½ cos(2θ - φ) with φ = 0°, 120°, 240° for R, G, B. Opposite
     tangents are one orientation and one colour; turning by δ moves the colour by √(3/2) |sin δ| wherever it starts.
@@ -46,6 +46,7 @@ def flow_color(flow: npt.ArrayLike) -> Array:
 
 @kernel
 def _color(first: int, last: int, flow: Array, rgb: Array) -> None:
+    """Write the RGB (pixels, 3) of a flow (pixels, 2), flattened: the blocks of sixteen ``first`` .. ``last`` - 1."""
     for block in range(first, last):
         pixel = first_pixel(block, rgb.size // 3)
         x, y = load_pairs(flow, 2 * pixel)

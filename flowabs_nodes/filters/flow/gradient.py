@@ -1,7 +1,7 @@
-"""The gradient of code values: tangents, magnitudes, and the reference that magnitudes are normalised by.
+"""The gradient g of code values: tangents, magnitudes |g|, and the reference that magnitudes are normalised by.
 
-3x3 Sobel divided by 8, border repeated, in float64 inside: exact for any finite float32 picture, and never over- or
-underflowing where it is squared.
+The gradient is a 3x3 Sobel filter divided by 8, the border repeated. Inside it is float64: exact for any finite float32
+picture, and squares neither overflow nor underflow.
 """
 
 from __future__ import annotations
@@ -37,34 +37,39 @@ _LARGEST = np.finfo(np.float32).max
 
 
 class Gradient(NamedTuple):
-    """``tangent`` (H, W, 2): unit vectors (-g.y, g.x)/|g|, zero where there is no direction; ``magnitude`` (H, W)."""
+    """Tangents and magnitudes of a picture, float32."""
 
-    tangent: Array
-    magnitude: Array
+    tangent: Array  # (H, W, 2): unit vectors (-g.y, g.x) / |g|, x then y, zero where there is no direction
+    magnitude: Array  # (H, W): |g| in code values per pixel
 
 
 class Measured(NamedTuple):
-    """A gradient, its ``largest`` magnitude, and whether there is a tangent ``everywhere``."""
+    """A gradient, and what is known of all its pixels."""
 
     gradient: Gradient
-    largest: float
-    everywhere: bool
+    largest: float  # magnitude
+    everywhere: bool  # whether no tangent is zero
 
 
 def gradient(code: Array, pre_blur: float = 0.0) -> Gradient:
-    """The tangent and |g|, in code values per pixel, of ``code``: (H, W), or (H, W, C) for all channels together.
+    """Return the tangents and magnitudes of a picture.
 
-    Together means the structure tensor sum_k g_k g_k^T: g points along its major eigenvector, |g| is the root of the
-    major eigenvalue. ``pre_blur`` is the sigma of a Gaussian blur before, in pixels.
+    Parameters
+    ----------
+    code
+        Code values, (H, W), or (H, W, C) for all channels together: g points along the major eigenvector of the
+        structure tensor sum_k g_k g_k^T, |g| is the root of the major eigenvalue.
+    pre_blur
+        Sigma in pixels of a Gaussian blur of ``code`` before its gradient.
     """
     return measured(code, pre_blur).gradient
 
 
 def measured(code: Array, pre_blur: float = 0.0) -> Measured:
-    """:func:`gradient`, and what can be told of it on the way."""
+    """Return the :func:`gradient` with its largest magnitude, and whether it has a tangent everywhere."""
     code = np.ascontiguousarray(blur(code, pre_blur) if pre_blur > 0 else code)
     height, width = code.shape[:2]
-    if width < LANES:  # its border repeated further; then only what is cut off again is wrong
+    if width < LANES:  # repeating the border changes no gradient but those of the columns that are cut off again
         wide = gradient(np.pad(code, [(0, 0), (0, LANES - width)] + [(0, 0)] * (code.ndim - 2), "edge"))
         narrow = Gradient(*(np.ascontiguousarray(made[:, :width]) for made in wide))
         return Measured(narrow, float(narrow.magnitude.max()), bool(narrow.tangent.any(axis=2).all()))
@@ -76,14 +81,14 @@ def measured(code: Array, pre_blur: float = 0.0) -> Measured:
 
 
 def measure_reference(code: npt.ArrayLike, gradient_reference: str | float, pre_blur: float = 0.0) -> float:
-    """What ``gradient_reference`` comes to on this picture, in code values per pixel.
+    """Return the number that ``gradient_reference`` comes to on this picture, in code values per pixel.
 
     Parameters
     ----------
     code
         Code values (H, W), or (H, W, 3) for all channels together.
     gradient_reference
-        "max", a percentile over the picture such as "p99.5", or a number of at least 0, which comes back as it is.
+        "max", a percentile over the picture such as "p99.5", or a number of at least 0, which is returned as it is.
     pre_blur
         Sigma of a Gaussian blur before the gradient, in pixels.
 
@@ -100,7 +105,7 @@ def measure_reference(code: npt.ArrayLike, gradient_reference: str | float, pre_
 
 
 def reference(made: Measured, gradient_reference: str | float) -> float:
-    """What ``gradient_reference`` comes to on this gradient."""
+    """Return the number that a valid ``gradient_reference`` comes to on this gradient, in code values per pixel."""
     percent = _percentile(gradient_reference)
     if percent is None:
         return float(gradient_reference)
@@ -113,7 +118,7 @@ def check_reference(gradient_reference: str | float) -> None:
 
 
 def _percentile(reference: str | float) -> float | None:
-    """100 for "max", 99.5 for "p99.5", None for a number."""
+    """Return 100 for "max", 99.5 for "p99.5", None for a number of at least 0; raise ArgumentError for others."""
     if not isinstance(reference, str):
         validate.number("gradient_reference", reference, min=0)
         return None
@@ -133,7 +138,11 @@ def _percentile(reference: str | float) -> float | None:
 def _gradient(
     first: int, last: int, code: Array, channels: int, height: int, width: int, tangent: Array, magnitude: Array
 ) -> tuple[float, bool]:
-    """Rows ``first`` to ``last`` - 1: their largest magnitude, and whether each of their pixels has a tangent."""
+    """Write the tangents and magnitudes of the rows ``first`` .. ``last`` - 1.
+
+    All arrays are flattened: ``code`` (H, W, C), ``tangent`` (H, W, 2), ``magnitude`` (H, W); W is at least sixteen.
+    Returns the largest magnitude of these rows, and whether each of their pixels has a tangent.
+    """
     size = channels * (width + 2)
     rows = np.empty((3, size), np.float32)
     for y in range(first - 1, first + 1):
@@ -146,14 +155,14 @@ def _gradient(
             x = min(x0, width - LANES)
             if channels == 1:
                 gx, gy = _sobel(above, here, below, x)
-                tx, ty, m = _across(gx, gy)
+                tx, ty, m = _tangent_of(gx, gy)
             else:
                 c, s, trace = splat_doubles(0.0), splat_doubles(0.0), splat_doubles(0.0)
                 for i in range(x, size, width + 2):
                     gx, gy = _sobel(above, here, below, i)
                     xx, yy = gx * gx, gy * gy
                     c, s, trace = c + (xx - yy), s + 2.0 * (gx * gy), trace + (xx + yy)
-                tx, ty, m = _across_together(c, s, trace)
+                tx, ty, m = _tangent_of_tensor(c, s, trace)
             i = y * width + x
             store_pairs(tangent, 2 * i, (tx, ty))
             store(magnitude, i, m)
@@ -170,7 +179,10 @@ def _gradient(
 
 @inlined
 def _load_row(code: Array, channels: int, height: int, width: int, y: int, row: Array) -> None:
-    """Row y of each channel, one pixel longer at either end."""
+    """Write row y of each channel, with the border repeated once at either end, into ``row``, (C, W + 2) flattened.
+
+    ``code`` is (H, W, C) flattened; a row outside the picture is the nearest row inside.
+    """
     start = min(max(y, 0), height - 1) * width * channels
     columns = width + 2
     for x in range(0, width, LANES):
@@ -193,7 +205,7 @@ def _load_row(code: Array, channels: int, height: int, width: int, y: int, row: 
 
 @inlined
 def _sobel(above: Array, here: Array, below: Array, i: int) -> Any:
-    """g of sixteen pixels; to the left of the first is ``here[i]``."""
+    """Return g.x and g.y of sixteen pixels from three rows; item i of a row is the left neighbour of the first."""
     a, b, c = to_doubles(load(above, i)), to_doubles(load(above, i + 1)), to_doubles(load(above, i + 2))
     d, f = to_doubles(load(here, i)), to_doubles(load(here, i + 2))
     p, q, r = to_doubles(load(below, i)), to_doubles(load(below, i + 1)), to_doubles(load(below, i + 2))
@@ -201,8 +213,8 @@ def _sobel(above: Array, here: Array, below: Array, i: int) -> Any:
 
 
 @inlined
-def _across(gx: Any, gy: Any) -> Any:
-    """t = (-g.y, g.x) / |g|, and |g|."""
+def _tangent_of(gx: Any, gy: Any) -> Any:
+    """Return t.x, t.y and |g| for t = (-g.y, g.x) / |g|, zero where g is; float32 from float64."""
     size = sqrt(gx * gx + gy * gy)
     m = from_doubles(minimum(size, _LARGEST))
     inverse = select(m > 0.0, 1.0 / size, 0.0)
@@ -210,8 +222,11 @@ def _across(gx: Any, gy: Any) -> Any:
 
 
 @inlined
-def _across_together(c: Any, s: Any, trace: Any) -> Any:
-    """The major eigenvector of sum_k g_k g_k^T turned by 90 degrees, and the root of the major eigenvalue."""
+def _tangent_of_tensor(c: Any, s: Any, trace: Any) -> Any:
+    """Return t.x, t.y and |g| of a structure tensor of double angle (c, s), c = xx - yy and s = 2 xy, and ``trace``.
+
+    The tangent is the major eigenvector turned by 90 degrees, |g| the root of the major eigenvalue.
+    """
     m = from_doubles(minimum(sqrt((trace + sqrt(c * c + s * s)) * 0.5), _LARGEST))
     x, y = half_angle(c, s)
     return from_doubles(select(m > 0.0, -y, 0.0)), from_doubles(select(m > 0.0, x, 0.0)), m
@@ -219,7 +234,10 @@ def _across_together(c: Any, s: Any, trace: Any) -> Any:
 
 @inlined
 def half_angle(c: Any, s: Any) -> Any:
-    """The unit vector at half the angle of (c, s), so the major eigenvector of [[c, s], [s, -c]]; zero for zero."""
+    """Return x and y of the unit vector at half the angle of (c, s), zero where (c, s) is zero.
+
+    It is the major eigenvector of the symmetric matrix [[c, s], [s, -c]].
+    """
     r = sqrt(c * c + s * s)
     large = sqrt((r + absolute(c)) * 0.5)
     small = 0.5 * s / large

@@ -1,4 +1,4 @@
-"""Line integral convolution: a flow shown as streaks of noise, as the paper shows its flows (Fig. 3)."""
+"""Line integral convolution (LIC): a flow shown as streaks of noise, as the paper shows its flows (Fig. 3)."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SPREAD = 0.2  # standard deviation of the streaks at contrast 1
 
 
 def lic(flow: npt.ArrayLike, length: float = 20.0, seed: int = 1, contrast: float = 1.0) -> Array:
-    """White noise averaged along the flow, round(length / 2) steps each way with equal weights.
+    """Average white noise along the streamlines of a flow, round(length / 2) steps each way with equal weights.
 
     Parameters
     ----------
@@ -26,8 +26,8 @@ def lic(flow: npt.ArrayLike, length: float = 20.0, seed: int = 1, contrast: floa
     seed
         Seed of the noise, at least 0. Noise and result are the same for the same seed, size and flow.
     contrast
-        Spread of the streaks about 0.5, at least 0: 1 is a standard deviation of about 0.2 for any ``length``. It does
-        not depend on what is in the picture, so that the frames of a shot look alike.
+        Spread of the streaks about 0.5, at least 0: 1 is a standard deviation of about 0.2 for any ``length``. The
+        spread does not depend on the flow, so that the frames of a shot look alike.
 
     Returns
     -------
@@ -43,8 +43,8 @@ def lic(flow: npt.ArrayLike, length: float = 20.0, seed: int = 1, contrast: floa
     seed = validate.whole("seed", seed, min=0)
     contrast = validate.number("contrast", contrast, min=0, max=1e6)
     noise = np.random.default_rng(seed).random(flow.shape[:2], np.float32)
-    readings = 2 * steps + 1
-    streaks = along(noise[None], flow, np.full(steps + 1, 1 / readings), "bilinear")[0]
-    deviation = math.sqrt(1 / 12 / readings)  # of the mean of that many numbers from 0..1
+    samples = 2 * steps + 1
+    streaks = along(noise[None], flow, np.full(steps + 1, 1 / samples), "bilinear")[0]
+    deviation = math.sqrt(1 / 12 / samples)  # of the mean of so many random numbers from 0..1
     picture: Array = np.clip(0.5 + np.float32(contrast * SPREAD / deviation) * (streaks - np.float32(0.5)), 0, 1)
     return picture

@@ -6,10 +6,8 @@ from hypothesis.extra.numpy import arrays
 
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import etf, measure_reference
-from flowabs_nodes.filters.flow import etf_passes, line_buffers
 from flowabs_nodes.filters.flow.etf import etf_and_reference
 from flowabs_nodes.filters.flow.gradient import gradient
-from flowabs_nodes.simd.bands import limited
 from tests.filters.pictures import noise, photo
 from tests.naive import etf as naive
 
@@ -154,18 +152,6 @@ def test_every_number_of_threads_gives_the_same_bits(each_thread_count, options)
         np.testing.assert_array_equal(one, other)
 
 
-@pytest.mark.parametrize("options", [{}, {"kernel": "separable"}, {"adaptive": True}, {"fill": None}])
-@pytest.mark.parametrize(("columns", "reach"), [(16, 64), (48, 64), (512, 0), (32, 12)])
-def test_tiles_and_what_is_done_in_one_go_change_no_bit(monkeypatch, columns, reach, options):
-    code = noise(70, 101)
-    code[30:50, 40:70] = 100  # with tangents missing
-    whole = etf(code, 6.0, 4, **options)
-    monkeypatch.setattr(etf_passes, "COLUMNS", columns)
-    monkeypatch.setattr(etf_passes, "WIDER", 0)
-    monkeypatch.setattr(etf_passes, "REACH", reach)
-    np.testing.assert_array_equal(etf(code, 6.0, 4, **options), whole)
-
-
 @pytest.mark.parametrize("radius", [2.0, 8.0, 9.5, 20.0])
 @pytest.mark.parametrize("shape", [(33, 50), (7, 16), (40, 15), (3, 90)])
 def test_every_radius_and_size_in_float64(shape, radius):
@@ -174,19 +160,6 @@ def test_every_radius_and_size_in_float64(shape, radius):
     error = naive.degrees_between(etf(code, radius, 2, fill=None), naive.etf(code, radius, 2))
     assert np.median(error) < 1e-4
     assert error.max() < 0.05
-
-
-@pytest.mark.parametrize("threads", [1, 2, 5, 15, 16])
-@pytest.mark.parametrize(("height", "width"), [(1, 16), (300, 31), (40, 2020), (2, 2049), (1080, 1920)])
-def test_tiles_are_the_picture_once_and_wide_enough(threads, height, width):
-    with limited(threads):
-        tiles = line_buffers.tiles_of(height, width, 400)
-    covered = np.zeros((height, width), int)
-    for left, right, top, bottom in tiles:
-        assert left % 16 == 0
-        assert right - left >= 16
-        covered[top:bottom, left:right] += 1
-    np.testing.assert_array_equal(covered, 1)
 
 
 def test_a_tiny_reference_makes_every_gradient_a_strong_one():

@@ -14,7 +14,7 @@ from tests.naive import walk as naive
 @pytest.mark.parametrize("sampling", SAMPLINGS)
 @pytest.mark.parametrize("sigma", [0.1, 2.0, 20.0])
 @pytest.mark.parametrize("name", ["photo", "noise"])
-def test_equals_the_walk_in_float64(name, sigma, sampling):
+def test_equals_eq_11_in_float64(name, sigma, sampling):
     image, flow = cases()[name]
     blurred = flow_blur(image, flow, sigma, sampling)
     np.testing.assert_allclose(blurred, naive.along(image, flow, sigma, sampling), rtol=0, atol=2e-4)
@@ -76,7 +76,7 @@ def test_tangents_turn_round_to_go_on_the_same_way():
     assert distances(flow, 5) == [1, 2, 3, 4, 5]
 
 
-def test_a_zero_tangent_stops_the_walk():
+def test_a_zero_tangent_stops_the_streamline():
     flow = np.zeros((1, 41, 2), np.float32)
     flow[..., 0] = 1
     flow[0, [17, 23]] = 0
@@ -156,7 +156,7 @@ def test_errors_name_the_argument(arguments, parameter):
 
 
 @pytest.mark.parametrize("sampling", ["bilinear", "nearest"])
-def test_the_longest_walks_end_in_the_border(sampling):
+def test_the_longest_streamlines_end_in_the_border(sampling):
     image = np.linspace(0, 100, 30, dtype=np.float32) * np.ones((20, 1), np.float32)
     flow = np.broadcast_to(np.float32([1, 0]), (20, 30, 2))
     np.testing.assert_allclose(flow_blur(image, flow, 10_000, sampling), 50, atol=0.2)
