@@ -25,18 +25,8 @@ from flowabs_nodes.sampling.streamline import (
 )
 from flowabs_nodes.simd.avx512 import table_lookup
 from flowabs_nodes.simd.bands import over_rows
-from flowabs_nodes.simd.jit import kernel
-from flowabs_nodes.simd.lanes import (
-    LANES,
-    absolute,
-    any_lane,
-    inlined,
-    lane_indices,
-    maximum,
-    minimum,
-    splat_floats,
-    splat_ints,
-)
+from flowabs_nodes.simd.jit import inlined, kernel
+from flowabs_nodes.simd.lanes import LANES, absolute, any_lane, lane_indices, maximum, minimum, splat_floats, splat_ints
 from flowabs_nodes.simd.memory import load, prefetch, prefetch_for_write, scratch, store
 from flowabs_nodes.simd.target import PATH
 

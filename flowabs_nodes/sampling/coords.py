@@ -13,17 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from flowabs_nodes.simd.lanes import (
-    LANES,
-    from_doubles,
-    inlined,
-    lane_indices,
-    maximum,
-    minimum,
-    rint,
-    round_to_ints,
-    select,
-)
+from flowabs_nodes.simd.jit import inlined
+from flowabs_nodes.simd.lanes import LANES, from_doubles, lane_indices, maximum, minimum, rint, round_to_ints, select
 
 
 class Raster(NamedTuple):

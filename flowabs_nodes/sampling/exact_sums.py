@@ -16,8 +16,8 @@ from flowabs_nodes.sampling.coords import Raster, bilinear_coords, raster_of
 from flowabs_nodes.sampling.streamline import BATCH, Streamlines, advance, block_column, new_streamlines, start, turn
 from flowabs_nodes.sampling.tile_cache import pad_width
 from flowabs_nodes.simd.bands import over_rows
-from flowabs_nodes.simd.jit import inline, kernel
-from flowabs_nodes.simd.lanes import LANES, inlined, lane_indices, splat_floats, to_doubles, to_floats
+from flowabs_nodes.simd.jit import inline, inlined, kernel
+from flowabs_nodes.simd.lanes import LANES, lane_indices, splat_floats, to_doubles, to_floats
 from flowabs_nodes.simd.memory import gather_pairs, load, scratch, store
 
 _SUMS = 16  # four planes of 64 pixels

@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from flowabs_nodes.sampling.coords import Raster, bilinear_coords, nearest_pixels
-from flowabs_nodes.simd.jit import inline
-from flowabs_nodes.simd.lanes import LANES, inlined, select
+from flowabs_nodes.simd.jit import inline, inlined
+from flowabs_nodes.simd.lanes import LANES, select
 from flowabs_nodes.simd.memory import gather_octets, gather_quads, load, prefetch, prefetch_for_write, scratch, store
 
 TINY = np.float32(1e-20)  # an alpha from which colours can no longer be told

@@ -18,8 +18,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from flowabs_nodes.sampling.coords import Raster, nearest_pixels
-from flowabs_nodes.simd.jit import inline
-from flowabs_nodes.simd.lanes import LANES, inlined, select, splat_doubles, to_doubles
+from flowabs_nodes.simd.jit import inline, inlined
+from flowabs_nodes.simd.lanes import LANES, select, splat_doubles, to_doubles
 from flowabs_nodes.simd.memory import gather_pairs, load, load_pairs, prefetch, scratch, store
 
 BLOCKS = 8  # walks of sixteen pixels each

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from flowabs_nodes.sampling.tile_cache import COLUMNS, Tile, tile_offset
-from flowabs_nodes.simd.jit import inline
-from flowabs_nodes.simd.lanes import LANES, inlined, lane_indices, select, splat_ints, to_floats, to_ints
+from flowabs_nodes.simd.jit import inline, inlined
+from flowabs_nodes.simd.lanes import LANES, lane_indices, select, splat_ints, to_floats, to_ints
 from flowabs_nodes.simd.memory import load, scratch, store
 
 BLOCKS = COLUMNS // LANES

@@ -21,7 +21,8 @@ import numpy.typing as npt
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.border import repeat_left, repeat_right
-from flowabs_nodes.simd.lanes import LANES, absolute, any_lane, inlined, maximum, minimum
+from flowabs_nodes.simd.jit import inlined
+from flowabs_nodes.simd.lanes import LANES, absolute, any_lane, maximum, minimum
 from flowabs_nodes.simd.memory import gather_quads, load, load_pairs, store_pairs, store_quads
 
 ROWS, COLUMNS = 64, 128

@@ -10,7 +10,8 @@ from __future__ import annotations
 from typing import Any
 
 from flowabs_nodes.simd.avx512 import fraction, scale_by_exp2_floor
-from flowabs_nodes.simd.lanes import bits_of, floor, from_bits, inlined, maximum, minimum, rint, to_floats, to_ints
+from flowabs_nodes.simd.jit import inlined
+from flowabs_nodes.simd.lanes import bits_of, floor, from_bits, maximum, minimum, rint, to_floats, to_ints
 
 LOG2_E = 1.4426950408889634  # e^x = 2^(LOG2_E x)
 

@@ -24,9 +24,14 @@ from numba.core.imputils import lower_builtin, lower_cast
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import intrinsic, models, register_model
 
-from flowabs_nodes.simd.jit import inlined as inlined  # for whoever has everything from here
-
+#: How many numbers a vector holds.
 LANES = 16
+
+# Annotations of vectors. A type checker cannot see what numba makes of them, so each stands for Any.
+Floats = Any  #: sixteen lanes of float32
+Doubles = Any  #: sixteen lanes of float64
+Ints = Any  #: sixteen lanes of int32
+Masks = Any  #: sixteen lanes of one bit, 1 where a comparison holds
 
 _I32, _I64, _F32, _F64 = ir.IntType(32), ir.IntType(64), ir.FloatType(), ir.DoubleType()
 _FLOATS, _DOUBLES, _INTS, _MASKS = (ir.VectorType(element, LANES) for element in (_F32, _F64, _I32, ir.IntType(1)))

@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from flowabs_nodes.simd.lanes import from_doubles, inlined, to_doubles
+from flowabs_nodes.simd.jit import inlined
+from flowabs_nodes.simd.lanes import from_doubles, to_doubles
 
 #: The two off-diagonal numbers of each row.
 Rows = tuple[float, float, float, float, float, float]

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from flowabs_nodes.simd.lanes import absolute, inlined, select, splat_floats
+from flowabs_nodes.simd.jit import inlined
+from flowabs_nodes.simd.lanes import absolute, select, splat_floats
 from flowabs_nodes.simd.memory import load_quads, load_triples, store_quads, store_triples
 
 

@@ -22,8 +22,8 @@ from flowabs_nodes.sampling.tile_cache import (
     tile_capacity,
     tile_offset,
 )
-from flowabs_nodes.simd.jit import kernel
-from flowabs_nodes.simd.lanes import LANES, floor, inlined, lane_indices, to_ints
+from flowabs_nodes.simd.jit import inlined, kernel
+from flowabs_nodes.simd.lanes import LANES, floor, lane_indices, to_ints
 from flowabs_nodes.simd.memory import load, load_pairs, scratch, store
 
 _STEPS = 8  # whose places are worked out together: the loads of one need not wait for those of another
