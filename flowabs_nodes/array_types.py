@@ -1,4 +1,7 @@
-"""Names of the array types in signatures. Docstrings give the shapes: (H, W, C), rows from top to bottom."""
+"""Names of the array types in signatures. Docstrings give the shapes: (H, W, C), rows from top to bottom.
+
+In kernels they also stand for scratch memory (:func:`~flowabs_nodes.simd.memory.scratch`) of the same numbers.
+"""
 
 from __future__ import annotations
 

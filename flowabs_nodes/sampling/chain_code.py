@@ -8,12 +8,9 @@ and leads to the same pixels.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 
-from flowabs_nodes.array_types import Complex64
+from flowabs_nodes.array_types import Complex64, Int32
 from flowabs_nodes.sampling.coords import Raster
 from flowabs_nodes.sampling.streamline import (
     BATCH,
@@ -43,7 +40,7 @@ from flowabs_nodes.simd.memory import load, prefetch, prefetch_for_write, scratc
 from flowabs_nodes.simd.target import PATH
 
 #: (H, words, 2, stride) flattened: for each row and each eight steps, the words along the flow, then those against it.
-ChainCode = npt.NDArray[np.int32]
+ChainCode = Int32
 
 #: Steps in a word.
 STEPS = 8
@@ -77,7 +74,7 @@ def _encode(first: int, last: int, flow: Complex64, steps: int, raster: Raster, 
     """
     curves, position, word = new_streamlines(), scratch(np.int32, BLOCKS), scratch(np.int32, BLOCKS)
     row = (steps + STEPS - 1) // STEPS * 2 * raster.stride
-    wrong, longest = splat_ints(0), splat_floats(0.0)
+    long_moves, longest = splat_ints(0), splat_floats(0.0)
     for y in range(first, last):
         for x0 in range(0, raster.stride, BATCH // 2):
             start(curves, flow, x0, y, raster)
@@ -95,14 +92,14 @@ def _encode(first: int, last: int, flow: Complex64, steps: int, raster: Raster, 
                     store(position, at, here)
                     store(word, at, now)
                     if s % STEPS == STEPS - 1 or s == steps - 1:
-                        way = s // STEPS * 2 + at // LANES % 2
-                        store(chain, y * row + way * raster.stride + block_column(x0, at, raster), now)
+                        line = s // STEPS * 2 + at // LANES % 2
+                        store(chain, y * row + line * raster.stride + block_column(x0, at, raster), now)
                         store(word, at, splat_ints(_STAY))
-                        wrong = wrong | (now & (now >> 1))
+                        long_moves = long_moves | (now & (now >> 1))
                 if s < steps - 1:
                     turn(curves, flow)
-    # In a move by 2 rows (or columns) both bits of its rows (or columns) are set. No tangent up to 1.5 moves further.
-    fits: bool = not (any_lane((wrong & _STAY) > 0) or any_lane(longest > 1.5))
+    # A tangent up to 1.5 moves by 2 rows (or columns) at most. Both bits of the rows (or columns) are then set.
+    fits: bool = not (any_lane((long_moves & _STAY) > 0) or any_lane(longest > 1.5))
     return fits
 
 
@@ -120,7 +117,7 @@ if PATH == "avx512":  # one instruction looks up the offsets of sixteen moves
         move = lane_indices()
         return (((move >> 2) - 1) * raster.stride + (move & 3) - 1) * size
 
-    _first_offset = table_lookup
+    _first_offset = table_lookup  # by the lowest four bits of each word
 else:
 
     @inlined
@@ -137,13 +134,13 @@ else:
 
 @inlined
 def decode_offsets(
-    chain: ChainCode, steps: int, x: int, y: int, raster: Raster, size: int, places: Any, at: int
+    chain: ChainCode, steps: int, x: int, y: int, raster: Raster, size: int, places: Int32, at: int
 ) -> None:
     """Write the indices of the records along the streamlines of the pixels x .. x + 15 of row y.
 
-    ``places`` (int32, in scratch memory) takes, from index ``at`` on, sixteen indices for the first step along the
-    flow, sixteen for the first step against it, then those of the second step and so on. ``size`` is the floats in a
-    record of the picture, whose ``raster`` is that of the flow.
+    ``places`` (scratch memory) takes, from index ``at`` on, sixteen indices for the first step along the flow, sixteen
+    for the first step against it, then those of the second step and so on. ``size`` is the number of floats in a record
+    of the picture, which has the ``raster`` of the flow.
     """
     along = against = (lane_indices() + (y * raster.stride + x)) * size
     offsets = _offset_table(raster, size)

@@ -8,11 +8,11 @@ them too.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from flowabs_nodes.array_types import Array, Complex64, Float64
+from flowabs_nodes.array_types import Array, Complex64, Float64, Int32
 from flowabs_nodes.sampling.coords import Raster, bilinear_coords, raster_of
 from flowabs_nodes.sampling.streamline import BATCH, Streamlines, advance, block_column, new_streamlines, start, turn
 from flowabs_nodes.sampling.tile_cache import pad_width
@@ -44,12 +44,12 @@ class Block(NamedTuple):
 class LineScratch(NamedTuple):
     """The sums of 64 pixels, and the points at work of their gradient lines, in scratch memory."""
 
-    total: Any  # float32: the sums, of each plane in turn
-    x: Any  # float64: the offset of c_x(s) from the pixel x, for each of the 128 streamlines
-    y: Any
-    place: Any  # int32: index in a plane of the upper left of the four pixels around l_x,s(t)
-    u: Any  # float32: distance of l_x,s(t) from it, to the right and down, 0 to 1
-    v: Any
+    total: Array  # the sums, of each plane in turn
+    x: Float64  # the offset of c_x(s) from the pixel x, for each of the 128 streamlines
+    y: Float64
+    place: Int32  # index in a plane of the upper left of the four pixels around l_x,s(t)
+    u: Array  # distance of l_x,s(t) from it, to the right and down, 0 to 1
+    v: Array
 
 
 @inline
@@ -117,16 +117,8 @@ def _sum_lines(
             for at in range(0, BATCH, 2 * LANES):  # s = 0, one of the two directions
                 store(lines.x, at, load(curves.dx, at))
                 store(lines.y, at, load(curves.dy, at))
-                _add_line(
-                    source,
-                    channels,
-                    curves,
-                    lines,
-                    Block(at, block_column(x0, at, raster), y),
-                    across,
-                    along[0],
-                    raster,
-                )
+                block = Block(at, block_column(x0, at, raster), y)
+                _add_line(source, channels, curves, lines, block, across, along[0], raster)
             for s in range(1, along.size):
                 for at in range(0, BATCH, LANES):
                     x = block_column(x0, at, raster)
@@ -139,16 +131,8 @@ def _sum_lines(
                         store(lines.y, at, load(curves.dy, at))
                 turn(curves, flow)
                 for at in range(0, BATCH, LANES):
-                    _add_line(
-                        source,
-                        channels,
-                        curves,
-                        lines,
-                        Block(at, block_column(x0, at, raster), y),
-                        across,
-                        along[s],
-                        raster,
-                    )
+                    block = Block(at, block_column(x0, at, raster), y)
+                    _add_line(source, channels, curves, lines, block, across, along[s], raster)
             for c in range(channels):
                 for at in range(0, BATCH, 2 * LANES):
                     to = (c * raster.height + y) * raster.width + block_column(x0, at, raster)

@@ -1,7 +1,7 @@
 """Samples of a picture at points near each of sixteen pixels: of the nearest pixel, or bilinear.
 
 The picture is one of records, flattened: three floats (L, a, b) for each pixel, or four (L, a, b, alpha), colours not
-premultiplied. Its rows have the raster's stride. ``size`` is the floats in a record.
+premultiplied. Its rows have the raster's stride. ``size`` is the number of floats in a record.
 
 Kernels compute the coordinates of many samples (:class:`SampleCoords`) before they read the first, so that the reads
 need not wait for each other. The flags ``bilinear`` and ``alpha`` are None or True rather than False or True: numba
@@ -10,10 +10,11 @@ compiles a kernel for each combination, without the branches not taken.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from flowabs_nodes.array_types import Array, Int32
 from flowabs_nodes.sampling.coords import Raster, bilinear_coords, nearest_pixels
 from flowabs_nodes.simd.jit import inline, inlined
 from flowabs_nodes.simd.lanes import LANES, Doubles, Floats, select
@@ -40,9 +41,9 @@ class SampleCoords(NamedTuple):
     Bilinear samples use all fields, samples of the nearest pixel ``place`` alone.
     """
 
-    place: Any  # int32: index in the picture of the record of the nearest pixel, or of the upper left of the four
-    fx: Any  # float32: distance of the point from the upper left pixel, to the right and down, 0 to 1
-    fy: Any
+    place: Int32  # index in the picture of the record of the nearest pixel, or of the upper left of the four
+    fx: Array  # distance of the point from the upper left pixel, to the right and down, 0 to 1
+    fy: Array
 
 
 @inline
@@ -58,7 +59,7 @@ def row_below(raster: Raster, size: int) -> int:
 
 
 @inlined
-def prefetch_rows(picture: Any, smoothed: Any, x: int, y: int, below: int, raster: Raster, size: int) -> None:
+def prefetch_rows(picture: Array, smoothed: Array, x: int, y: int, below: int, raster: Raster, size: int) -> None:
     """Ask for the memory that a kernel needs soon, while it is at the pixels x .. x + 15 of row y.
 
     Of ``picture``, that is the same columns ``below`` rows further down, the first row not yet in the cache; of
@@ -71,7 +72,15 @@ def prefetch_rows(picture: Any, smoothed: Any, x: int, y: int, below: int, raste
 
 @inlined
 def locate(
-    coords: SampleCoords, at: int, dx: Doubles, dy: Doubles, x: int, y: int, raster: Raster, size: int, bilinear: Any
+    coords: SampleCoords,
+    at: int,
+    dx: Doubles,
+    dy: Doubles,
+    x: int,
+    y: int,
+    raster: Raster,
+    size: int,
+    bilinear: bool | None,
 ) -> None:
     """Write the coordinates of the samples (dx, dy) away from the pixels x .. x + 15 of row y.
 
@@ -89,7 +98,9 @@ def locate(
 
 
 @inlined
-def sample(picture: Any, below: int, coords: SampleCoords, at: int, bilinear: Any, alpha: Any) -> Color:
+def sample(
+    picture: Array, below: int, coords: SampleCoords, at: int, bilinear: bool | None, alpha: bool | None
+) -> Color:
     """Return the samples of ``picture`` at the coordinates from index ``at`` on; ``below`` is :func:`row_below`.
 
     In a bilinear sample with ``alpha``, each of the four colours counts in proportion to its alpha.
@@ -108,7 +119,7 @@ def sample(picture: Any, below: int, coords: SampleCoords, at: int, bilinear: An
 
 
 @inlined
-def _sample_across(picture: Any, coords: SampleCoords, at: int, u: Floats, alpha: Any) -> Color:
+def _sample_across(picture: Array, coords: SampleCoords, at: int, u: Floats, alpha: bool | None) -> Color:
     """Return the mixture of each pixel and ``u`` of the one to its right, with ``alpha`` of premultiplied colours."""
     l, a, b, c, d, e, f, g = gather_octets(picture, coords.place, at)  # noqa: E741
     if alpha is None:

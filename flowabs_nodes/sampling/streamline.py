@@ -12,11 +12,11 @@ scratch memory: all of them advance, then all read their next tangents.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from flowabs_nodes.array_types import Complex64
+from flowabs_nodes.array_types import Array, Complex64, Float64, Int32
 from flowabs_nodes.sampling.coords import Raster, nearest_pixels
 from flowabs_nodes.simd.jit import inline, inlined
 from flowabs_nodes.simd.lanes import LANES, Floats, Ints, select, splat_doubles, to_doubles
@@ -35,11 +35,11 @@ class Streamlines(NamedTuple):
     The state of block k begins at index 16 k of each field; ``at`` in the functions below is such an index.
     """
 
-    pixel: Any  # int32: row x stride + column of the pixel nearest to z
-    dx: Any  # float64: z - x, in pixels
-    dy: Any
-    tx: Any  # float32: t(z), with the sign that continues the streamline
-    ty: Any
+    pixel: Int32  # row x stride + column of the pixel nearest to z
+    dx: Float64  # z - x, in pixels
+    dy: Float64
+    tx: Array  # t(z), with the sign that continues the streamline
+    ty: Array
 
 
 @inline

@@ -7,10 +7,11 @@ an even number of columns and rows away from x, so that offsets from both round,
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from flowabs_nodes.array_types import Array, Int32
 from flowabs_nodes.sampling.tile_cache import COLUMNS, Tile, tile_offset
 from flowabs_nodes.simd.jit import inline, inlined
 from flowabs_nodes.simd.lanes import LANES, Floats, Ints, Masks, lane_indices, select, splat_ints, to_floats, to_ints
@@ -32,14 +33,14 @@ class TiledStreamlines(NamedTuple):
     is the index at which the state of a block begins, a multiple of sixteen.
     """
 
-    x: Any  # int32: column and row of the reference pixel
-    y: Any
-    dx: Any  # int32: the offset of z from it, in units of 2^-28 pixels
-    dy: Any
-    tx: Any  # float32: t(z), with the sign that continues the streamline
-    ty: Any
-    corner: Any  # int32: index in the tile of the upper left of the four pixels around z
-    nearest: Any  # int32: index in the tile of the record of the pixel nearest to z
+    x: Int32  # column and row of the reference pixel
+    y: Int32
+    dx: Int32  # the offset of z from it, in units of 2^-28 pixels
+    dy: Int32
+    tx: Array  # t(z), with the sign that continues the streamline
+    ty: Array
+    corner: Int32  # index in the tile of the upper left of the four pixels around z
+    nearest: Int32  # index in the tile of the record of the pixel nearest to z
 
 
 @inline
@@ -100,7 +101,7 @@ def fraction_beyond(d: Ints) -> Floats:
 
 
 @inlined
-def _moved(pixels: Any, offsets: Any, tangents: Any, k: int, s: int) -> tuple[Ints, Ints]:
+def _moved(pixels: Int32, offsets: Int32, tangents: Array, k: int, s: int) -> tuple[Ints, Ints]:
     """Take the s-th step in one coordinate, and return the reference pixel's and the offset from it.
 
     The arguments are the fields x, dx and tx of :class:`TiledStreamlines`, or y, dy and ty.

@@ -14,12 +14,13 @@ clamped (:func:`tile_offset`). Planes are (C, H, W) and flows (H, W) complex64, 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from flowabs_nodes.array_types import Array, Complex64
+from flowabs_nodes.array_types import Array, Complex64, Int32
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.border import repeat_left, repeat_right
 from flowabs_nodes.simd.jit import inlined
@@ -56,7 +57,9 @@ class Tile(NamedTuple):
     height: int
 
 
-def over_tiles(kernel: Any, planes: Array, flow: Array, weights: npt.NDArray[np.floating]) -> Array | None:
+def over_tiles(
+    kernel: Callable[..., bool], planes: Array, flow: Array, weights: npt.NDArray[np.floating]
+) -> Array | None:
     """Return the result of a compiled ``kernel`` that works in tiles, or None if a tangent is longer than LONGEST.
 
     Parameters
@@ -92,7 +95,7 @@ def pad_width(planes: Array, axis: int) -> Array:
 
 
 @inlined
-def reach(steps: Any) -> Any:
+def reach(steps: int) -> int:
     """Return how many pixels away a point can be after ``steps`` steps, with the pixels around it."""
     return steps + steps // 4 + 2
 
@@ -120,7 +123,7 @@ def tile_offset(x: Ints, y: Ints, tile: Tile) -> Ints:
 
 
 @inlined
-def sample_lattice(lattice: Complex64, places: Any, k: int, u: Floats, v: Floats) -> Floats:
+def sample_lattice(lattice: Complex64, places: Int32, k: int, u: Floats, v: Floats) -> Floats:
     """Return bilinear samples at the points ``u`` to the right of and ``v`` below the pixels places[k .. k + 15].
 
     ``places`` holds indices from :func:`tile_offset`; u and v are in pixels, 0 to 1.
@@ -197,7 +200,7 @@ def _tile_row(y: int, tile: Tile) -> int:
 
 
 @inlined
-def _repeat_border(row: Any, to: int, tile: Tile, size: int) -> None:
+def _repeat_border(row: Complex64, to: int, tile: Tile, size: int) -> None:
     """Repeat the picture's first and last pixel of a row once, if the tile reaches beyond them.
 
     Column 0 of the row has the ``size`` items from row[to] on.
