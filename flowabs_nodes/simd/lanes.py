@@ -57,6 +57,8 @@ masks = Vector("masks", types.boolean, _MASKS)
 
 @register_model(Vector)
 class _Model(models.PrimitiveModel):  # type: ignore[misc]
+    """Tells numba that a vector is its LLVM type in memory and in registers alike."""
+
     def __init__(self, manager: Any, fe_type: Any) -> None:
         super().__init__(manager, fe_type, fe_type.llvm)
 
@@ -74,6 +76,7 @@ def constant(vector: Any, value: float) -> Any:
 
 @lower_cast(types.Number, Vector)
 def _from_number(context: Any, builder: Any, fromty: Any, toty: Any, value: Any) -> Any:
+    """Return a number beside a vector as a vector of the same kind."""
     return _splat(builder, context.cast(builder, value, fromty, toty.element))
 
 
@@ -123,30 +126,16 @@ def _same_kind(kind: Any) -> Any:
 
 
 _operator(
-    operator.add,
-    _same_kind,
-    floats=lambda b, x, y: b.fadd(x, y, flags=_CONTRACT),
-    ints=lambda b, x, y: b.add(x, y),
+    operator.add, _same_kind, floats=lambda b, x, y: b.fadd(x, y, flags=_CONTRACT), ints=lambda b, x, y: b.add(x, y)
 )
 _operator(
-    operator.sub,
-    _same_kind,
-    floats=lambda b, x, y: b.fsub(x, y, flags=_CONTRACT),
-    ints=lambda b, x, y: b.sub(x, y),
+    operator.sub, _same_kind, floats=lambda b, x, y: b.fsub(x, y, flags=_CONTRACT), ints=lambda b, x, y: b.sub(x, y)
 )
 _operator(
-    operator.mul,
-    _same_kind,
-    floats=lambda b, x, y: b.fmul(x, y, flags=_CONTRACT),
-    ints=lambda b, x, y: b.mul(x, y),
+    operator.mul, _same_kind, floats=lambda b, x, y: b.fmul(x, y, flags=_CONTRACT), ints=lambda b, x, y: b.mul(x, y)
 )
 _operator(operator.truediv, _same_kind, floats=lambda b, x, y: b.fdiv(x, y, flags=_CONTRACT))
-_operator(
-    operator.neg,
-    _same_kind,
-    floats=lambda b, x: b.fneg(x),
-    ints=lambda b, x: b.neg(x),
-)
+_operator(operator.neg, _same_kind, floats=lambda b, x: b.fneg(x), ints=lambda b, x: b.neg(x))
 _operator(operator.and_, _same_kind, ints=lambda b, x, y: b.and_(x, y), masks=lambda b, x, y: b.and_(x, y))
 _operator(operator.or_, _same_kind, ints=lambda b, x, y: b.or_(x, y), masks=lambda b, x, y: b.or_(x, y))
 _operator(operator.xor, _same_kind, ints=lambda b, x, y: b.xor(x, y))

@@ -85,6 +85,8 @@ class Scratch(types.Type):  # type: ignore[misc]
 
 @register_model(Scratch)
 class _ScratchModel(models.PrimitiveModel):  # type: ignore[misc]
+    """Tells numba that scratch memory is a pointer to its first item."""
+
     def __init__(self, manager: Any, fe_type: Any) -> None:
         super().__init__(manager, fe_type, manager.lookup(fe_type.dtype).get_value_type().as_pointer())
 
