@@ -1,1 +1,1 @@
-"""Following the flow and reading pictures along it: streamlines, sample coordinates, samples."""
+"""Following the flow and sampling pictures along it: streamlines, sample coordinates, samples."""

@@ -1,9 +1,10 @@
-"""Points near sixteen pixels, by their offsets in float64: the nearest pixel, or the four around.
+"""Coordinates of sample points near sixteen pixels: the nearest pixel of each point, or the four pixels around it.
 
-Points may lie anywhere: their coordinates are clamped to the picture, which repeats its border. Offsets, not
-coordinates, are rounded, half to even, so that how a point rounds does not depend on where its pixel lies.
+A point is given by its offset (dx, dy) from the centre of its pixel, in pixels, x to the right and y down, as float64.
+It may lie outside the picture: coordinates are clamped, as if the border pixels were repeated. It is the offset that is
+rounded, half to even, not the coordinate: how a point rounds does not depend on the position of its pixel.
 
-In memory rows of pictures have at least sixteen pixels, which is what vectors take: :func:`padded_rows`.
+In memory the rows of a picture have at least sixteen pixels, so that each holds a vector: :func:`padded_rows`.
 """
 
 from __future__ import annotations
@@ -13,10 +14,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from flowabs_nodes.simd.jit import inlined
 from flowabs_nodes.simd.lanes import (
     LANES,
+    Doubles,
+    Floats,
+    Ints,
     from_doubles,
-    inlined,
     lane_indices,
     maximum,
     minimum,
@@ -27,29 +31,30 @@ from flowabs_nodes.simd.lanes import (
 
 
 class Raster(NamedTuple):
-    """A picture's size, and the length of its rows in memory."""
+    """The size of a picture and the length of its rows in memory, all in pixels."""
 
     width: int
     height: int
-    stride: int
+    stride: int  # from one row to the next: the width, but at least sixteen
 
 
 class BilinearCoords(NamedTuple):
-    """Where points are: the upper left pixel of the four around each, and how far beyond it they are, 0..1."""
+    """The four pixels around each of sixteen points: the upper left one, and the point's distance from it, 0 to 1."""
 
-    x: Any
-    y: Any
-    fx: Any
-    fy: Any
+    x: Ints  # column and row of the upper left pixel
+    y: Ints
+    fx: Floats  # distance to the right and down, in pixels
+    fy: Floats
 
 
 def raster_of(picture: npt.NDArray[Any]) -> Raster:
+    """Return the raster of a picture (H, W, ...) once its rows are padded."""
     height, width = picture.shape[:2]
     return Raster(width, height, max(width, LANES))
 
 
 def padded_rows(picture: npt.NDArray[Any], raster: Raster) -> npt.NDArray[Any]:
-    """``picture`` in one dimension, rows that are too short filled up with zeros."""
+    """Return ``picture`` (H, W, ...) flattened, (H x stride x ...,), its rows filled up with zeros to the stride."""
     missing = raster.stride - raster.width
     if missing:
         picture = np.pad(picture, [(0, 0), (0, missing)] + [(0, 0)] * (picture.ndim - 2))
@@ -57,24 +62,29 @@ def padded_rows(picture: npt.NDArray[Any], raster: Raster) -> npt.NDArray[Any]:
 
 
 @inlined
-def nearest_pixels(dx: Any, dy: Any, x: int, y: int, raster: Raster) -> Any:
-    """Column and row of the pixel nearest to each point that is (dx, dy) from pixels x .. x + 15 of row y."""
+def nearest_pixels(dx: Doubles, dy: Doubles, x: int, y: int, raster: Raster) -> tuple[Ints, Ints]:
+    """Return column and row of the pixel nearest to each point (dx, dy) away from the pixels x .. x + 15 of row y."""
     columns, rows = round_to_ints(dx) + (lane_indices() + x), round_to_ints(dy) + y
     return minimum(maximum(columns, 0), raster.width - 1), minimum(maximum(rows, 0), raster.height - 1)
 
 
 @inlined
-def bilinear_coords(dx: Any, dy: Any, x: int, y: int, raster: Raster) -> BilinearCoords:
+def bilinear_coords(dx: Doubles, dy: Doubles, x: int, y: int, raster: Raster) -> BilinearCoords:
+    """Return the four pixels around each point (dx, dy) away from the pixels x .. x + 15 of row y."""
     left, fx = _floor_and_fraction(dx, lane_indices() + x, raster.width - 2)
     top, fy = _floor_and_fraction(dy, lane_indices() * 0 + y, raster.height - 2)
     return BilinearCoords(left, top, fx, fy)
 
 
 @inlined
-def _floor_and_fraction(d: Any, start: Any, last: int) -> Any:
-    """The whole part of start + d, at least 0 and at most ``last``, and the rest; of whole numbers it may be 1."""
+def _floor_and_fraction(d: Doubles, start: Ints, last: int) -> tuple[Ints, Floats]:
+    """Return floor(start + d) clamped to 0 .. ``last``, and the fraction beyond it, 0 to 1.
+
+    ``last`` is the last column (or row) that has a neighbour after it. If start + d is whole, the results may also be
+    the number before it and 1.
+    """
     below = rint(d - 0.5)
-    rest, whole = from_doubles(d - below), round_to_ints(below) + start
-    beyond = 1.0 if last >= 0 else 0.0  # in a picture of one column there is nothing to the right
-    rest = select(whole < 0, 0.0, select(whole > last, beyond, rest))
-    return maximum(minimum(whole, last), 0), rest
+    fraction, whole = from_doubles(d - below), round_to_ints(below) + start
+    after_last = 1.0 if last >= 0 else 0.0  # a picture of one column has nothing to the right of it
+    fraction = select(whole < 0, 0.0, select(whole > last, after_last, fraction))
+    return maximum(minimum(whole, last), 0), fraction

@@ -1,55 +1,70 @@
-"""Readings of a picture of records at points near each of sixteen pixels: at the nearest pixel, or bilinearly.
+"""Samples of a picture at points near each of sixteen pixels: of the nearest pixel, or bilinear.
 
-Where to read is written down for many samples (:class:`SampleCoords`) before the first is taken, so that they need
-not wait for each other. ``bilinear`` is None or not, by which numba leaves out what does not happen.
+The picture is one of records, flattened: three floats (L, a, b) for each pixel, or four (L, a, b, alpha), colours not
+premultiplied. Its rows have the raster's stride. ``size`` is the number of floats in a record.
+
+Kernels compute the coordinates of many samples (:class:`SampleCoords`) before they read the first, so that the reads
+need not wait for each other. The flags ``bilinear`` and ``alpha`` are None or True rather than False or True: numba
+compiles a kernel for each combination, without the branches not taken.
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from flowabs_nodes.array_types import Array, Int32
 from flowabs_nodes.sampling.coords import Raster, bilinear_coords, nearest_pixels
-from flowabs_nodes.simd.jit import inline
-from flowabs_nodes.simd.lanes import LANES, inlined, select
+from flowabs_nodes.simd.jit import inline, inlined
+from flowabs_nodes.simd.lanes import LANES, Doubles, Floats, select
 from flowabs_nodes.simd.memory import gather_octets, gather_quads, load, prefetch, prefetch_for_write, scratch, store
 
-TINY = np.float32(1e-20)  # an alpha from which colours can no longer be told
-PREFETCH_AHEAD = 128  # pixels: what is fetched while these are worked on
+#: Alpha up to which a sample has no colour.
+TINY = np.float32(1e-20)
+#: How many pixels ahead of the pixel at work memory is fetched.
+PREFETCH_AHEAD = 128
 
 
 class Color(NamedTuple):
-    """Of sixteen records. What is read of records of three has no alpha: what is there then means nothing."""
+    """Sixteen records. Records of three floats have no alpha; ``alpha`` then holds a number without a meaning."""
 
-    l: Any  # noqa: E741
-    a: Any
-    b: Any
-    alpha: Any
+    l: Floats  # noqa: E741
+    a: Floats
+    b: Floats
+    alpha: Floats
 
 
 class SampleCoords(NamedTuple):
-    """Of up to 64 readings, where the record is, and how far beyond its pixel the point."""
+    """The coordinates of up to 64 samples of sixteen pixels, in scratch memory.
 
-    place: Any
-    fx: Any
-    fy: Any
+    Bilinear samples use all fields, samples of the nearest pixel ``place`` alone.
+    """
+
+    place: Int32  # index in the picture of the record of the nearest pixel, or of the upper left of the four
+    fx: Array  # distance of the point from the upper left pixel, to the right and down, 0 to 1
+    fy: Array
 
 
 @inline
 def new_sample_coords() -> SampleCoords:
+    """Return uninitialised sample coordinates on the kernel's stack."""
     return SampleCoords(scratch(np.int32, 64), scratch(np.float32, 64), scratch(np.float32, 64))
 
 
 @inlined
 def row_below(raster: Raster, size: int) -> int:
-    """From a record to the one below, if there is one."""
+    """Return the distance in floats from a record to the one below; 0 in a picture of one row."""
     return size * raster.stride if raster.height > 1 else 0
 
 
 @inlined
-def prefetch_rows(picture: Any, smoothed: Any, x: int, y: int, below: int, raster: Raster, size: int) -> None:
-    """Have fetched what is needed before long; ``below``: the first row that is not yet."""
+def prefetch_rows(picture: Array, smoothed: Array, x: int, y: int, below: int, raster: Raster, size: int) -> None:
+    """Ask for the memory that a kernel needs soon, while it is at the pixels x .. x + 15 of row y.
+
+    Of ``picture``, that is the same columns ``below`` rows further down, the first row not yet in the cache; of
+    ``smoothed``, the result, pixels of the same row further right.
+    """
     for k in range(0, LANES * size, LANES):
         prefetch(picture, size * (min(y + below, raster.height - 1) * raster.stride + x) + k)
         prefetch_for_write(smoothed, size * (y * raster.stride + x + PREFETCH_AHEAD) + k)
@@ -57,9 +72,21 @@ def prefetch_rows(picture: Any, smoothed: Any, x: int, y: int, below: int, raste
 
 @inlined
 def locate(
-    coords: SampleCoords, at: int, dx: Any, dy: Any, x: int, y: int, raster: Raster, size: int, bilinear: Any
+    coords: SampleCoords,
+    at: int,
+    dx: Doubles,
+    dy: Doubles,
+    x: int,
+    y: int,
+    raster: Raster,
+    size: int,
+    bilinear: bool | None,
 ) -> None:
-    """The reading at [at] is to be taken (dx, dy) from the pixels x .. x + 15 of row y."""
+    """Write the coordinates of the samples (dx, dy) away from the pixels x .. x + 15 of row y.
+
+    ``coords`` takes them from index ``at`` on, a multiple of sixteen. ``raster`` and ``size`` are those of the picture
+    and of its records, ``bilinear`` is None or True.
+    """
     if bilinear is None:
         columns, rows = nearest_pixels(dx, dy, x, y, raster)
         store(coords.place, at, (rows * raster.stride + columns) * size)
@@ -71,8 +98,13 @@ def locate(
 
 
 @inlined
-def sample(picture: Any, below: int, coords: SampleCoords, at: int, bilinear: Any, alpha: Any) -> Color:
-    """Bilinearly, colours count by how much is there of each. ``below`` is :func:`row_below`."""
+def sample(
+    picture: Array, below: int, coords: SampleCoords, at: int, bilinear: bool | None, alpha: bool | None
+) -> Color:
+    """Return the samples of ``picture`` at the coordinates from index ``at`` on; ``below`` is :func:`row_below`.
+
+    In a bilinear sample with ``alpha``, each of the four colours counts in proportion to its alpha.
+    """
     if bilinear is None:
         l, a, b, covered = gather_quads(picture, coords.place, at)  # noqa: E741
         return Color(l, a, b, covered)
@@ -82,13 +114,13 @@ def sample(picture: Any, below: int, coords: SampleCoords, at: int, bilinear: An
     if alpha is None:
         return Color(l, a, b, upper.alpha)
     covered = _mix(upper.alpha, lower.alpha, v)
-    over = select(covered > TINY, 1.0 / covered, 0.0)
-    return Color(over * l, over * a, over * b, covered)
+    inverse = select(covered > TINY, 1.0 / covered, 0.0)
+    return Color(inverse * l, inverse * a, inverse * b, covered)
 
 
 @inlined
-def _sample_across(picture: Any, coords: SampleCoords, at: int, u: Any, alpha: Any) -> Color:
-    """Between a pixel and the one to the right; colours times alpha."""
+def _sample_across(picture: Array, coords: SampleCoords, at: int, u: Floats, alpha: bool | None) -> Color:
+    """Return the mixture of each pixel and ``u`` of the one to its right, with ``alpha`` of premultiplied colours."""
     l, a, b, c, d, e, f, g = gather_octets(picture, coords.place, at)  # noqa: E741
     if alpha is None:
         return Color(_mix(l, c, u), _mix(a, d, u), _mix(b, e, u), f)
@@ -96,5 +128,6 @@ def _sample_across(picture: Any, coords: SampleCoords, at: int, u: Any, alpha: A
 
 
 @inlined
-def _mix(one: Any, other: Any, share: Any) -> Any:
+def _mix(one: Floats, other: Floats, share: Floats) -> Floats:
+    """Return the linear interpolation from ``one``, at share 0, to ``other``, at share 1."""
     return one + share * (other - one)

@@ -1,6 +1,7 @@
-"""What AVX-512 has instructions for, and other processors calculate: powers of 2, small tables, inverse roots.
+"""Operations that are single instructions of AVX-512 and short calculations on other processors.
 
-The only place where the paths of :data:`~flowabs_nodes.simd.target.PATH` differ in the vector layer.
+They are parts of powers of 2, look-ups in small tables and inverse roots. Of the vector modules only this one differs
+between the paths of :data:`~flowabs_nodes.simd.target.PATH`. All but :func:`approximate_rsqrt` return the same on both.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from numba.extending import intrinsic
 from flowabs_nodes.simd.jit import inlined
 from flowabs_nodes.simd.lanes import (
     LANES,
+    Floats,
     constant,
     floats,
     floor,
@@ -34,31 +36,35 @@ if PATH == "avx512":
     _permute = llvm_function("llvm.x86.avx512.permvar.si.512", _I, _I, _I)
     _nothing = constant(_F, 0.0)
 
-    #: x - floor(x), and x 2^floor(y).
+    #: Return x - floor(x).
     fraction = operation([floats], floats, lambda b, x: _reduce(b, x, _I32(1), _nothing, _ALL, _DEFAULT))
+    #: Return x 2^floor(y).
     scale_by_exp2_floor = operation([floats, floats], floats, lambda b, x, y: _scale(b, x, y, _nothing, _ALL, _DEFAULT))
-    #: table[i & 15] for each i.
+    #: Return table[i & 15] in each lane, of a vector ``table`` of sixteen ints and a vector of indices i.
     table_lookup = operation([ints, ints], ints, lambda b, table, i: _permute(b, table, i))
-    #: 1 / sqrt(x), to 2^-13 of it.
+    #: Return 1 / sqrt(x) of x > 0, with a relative error below 2^-13.
     _inverse_root = llvm_function("llvm.x86.avx512.rsqrt14.ps.512", _F, _F, _F, _16)
     approximate_rsqrt = operation([floats], floats, lambda b, x: _inverse_root(b, x, _nothing, _ALL))
 else:
 
     @inlined
-    def approximate_rsqrt(x: Any) -> Any:
+    def approximate_rsqrt(x: Floats) -> Floats:
+        """Return 1 / sqrt(x) of x > 0, to the rounding."""
         return 1.0 / sqrt(x)
 
     @inlined
-    def fraction(x: Any) -> Any:
+    def fraction(x: Floats) -> Floats:
+        """Return x - floor(x)."""
         return x - floor(x)
 
     @inlined
-    def scale_by_exp2_floor(x: Any, y: Any) -> Any:
+    def scale_by_exp2_floor(x: Floats, y: Floats) -> Floats:
+        """Return x 2^floor(y), for y from -126 up to 128."""
         return x * from_bits((to_ints(floor(y)) + 127) << 23)
 
     @intrinsic
     def table_lookup(typingctx: Any, table: Any, indices: Any) -> Any:
-        """table[i & 15] for each i."""
+        """Return table[i & 15] in each lane, of a vector ``table`` of sixteen ints and a vector of indices i."""
 
         def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
             result = ir.Constant(_I, ir.Undefined)

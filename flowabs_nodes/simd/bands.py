@@ -1,8 +1,8 @@
-"""Rows of a picture shared among threads.
+"""Sharing the rows of a picture among threads.
 
-Kernels are single-threaded functions of a band of rows, free of the interpreter lock: that compiles in half the time of
-numba's own ``parallel=True`` and needs no threading layer, so that several Python threads may run kernels at once. Each
-row of a result is worked out by one thread, in one order, so their number never changes a bit.
+A compiled kernel is a single-threaded function of a band of rows and releases the interpreter lock. It compiles in half
+the time of numba's own ``parallel=True`` and needs no threading layer, so several Python threads may run kernels at
+once. Each row of a result is computed by one thread in one order, so the number of threads never changes a bit.
 """
 
 from __future__ import annotations
@@ -17,20 +17,20 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-_BANDS = 8  # for each thread: some end later than others
+_BANDS = 8  # bands for each thread, so that a thread that is done early takes another
 
 _limit: ContextVar[int | None] = ContextVar("flowabs_threads", default=None)
 
 
 def thread_count() -> int:
-    """How many threads a kernel uses: the limit in force, or else all."""
+    """Return how many threads a kernel uses: the limit of :func:`limited`, or else :func:`available_threads`."""
     limit = _limit.get()
     return available_threads() if limit is None else limit
 
 
 @cache
 def available_threads() -> int:
-    """``NUMBA_NUM_THREADS`` of the environment, or else the processors that this process may use."""
+    """Return ``NUMBA_NUM_THREADS`` of the environment, or else the number of processors this process may use."""
     given = os.environ.get("NUMBA_NUM_THREADS", "")
     if given.isdecimal() and int(given) > 0:
         return int(given)
@@ -42,7 +42,11 @@ def available_threads() -> int:
 
 
 def _granted(groups: Path = Path("/sys/fs/cgroup"), own: Path = Path("/proc/self/cgroup")) -> float:
-    """How many processors' time a container's limit leaves: the least of its control group and those it is in."""
+    """Return how many processors' time the control groups of this process allow, the least of them all (Linux).
+
+    ``groups`` is the folder of all control groups, ``own`` the file that lists those of this process. The result is
+    infinite without a limit.
+    """
     try:
         memberships = [line.split(":", 2)[1:] for line in own.read_text(encoding="utf-8").splitlines()]
     except OSError:
@@ -56,6 +60,7 @@ def _granted(groups: Path = Path("/sys/fs/cgroup"), own: Path = Path("/proc/self
 
 
 def _quota(group: Path) -> float:
+    """Return how many processors' time one control group allows, infinite where it sets no limit."""
     for names in (["cpu.max"], ["cpu.cfs_quota_us", "cpu.cfs_period_us"]):
         with suppress(OSError, ValueError):  # no such file; "max"
             quota, period = " ".join((group / name).read_text(encoding="utf-8") for name in names).split()
@@ -66,7 +71,7 @@ def _quota(group: Path) -> float:
 
 @contextmanager
 def limited(threads: int) -> Iterator[None]:
-    """Kernels called inside, by this thread, use ``threads`` threads, at least 1."""
+    """Have the kernels that this thread calls inside use ``threads`` threads; less than 1 counts as 1."""
     token = _limit.set(max(1, threads))
     try:
         yield
@@ -75,18 +80,32 @@ def limited(threads: int) -> Iterator[None]:
 
 
 def over_rows(kernel: Callable[..., Any], height: int, *arguments: Any, least: int = 8) -> list[Any]:
-    """``kernel(first, last, *arguments)`` for bands that together are the rows 0 .. height - 1.
+    """Call ``kernel(first, last, *arguments)`` for bands of rows that together are the rows 0 .. height - 1.
 
-    Bands have ``least`` rows or more. Returns what the kernel returned, in the order of the bands; how many there are
-    depends on the number of threads, so only what does not care (a maximum, a count) may be made of it.
+    Parameters
+    ----------
+    kernel
+        A function of the rows ``first`` .. ``last - 1``, called by several threads at once.
+    height
+        The number of rows.
+    arguments
+        Further arguments of the kernel.
+    least
+        How many rows a band has at least, unless the picture has fewer.
+
+    Returns
+    -------
+    The kernel's results in the order of the bands. The number of bands depends on the number of threads, so the caller
+    may only combine the results in ways that do not depend on it, such as a maximum.
     """
     threads = thread_count()
     bands = 1 if threads == 1 else max(1, min(_BANDS * threads, height // least))
     edges = [height * band // bands for band in range(bands + 1)]
     results: list[Any] = [None] * bands
-    waiting = iter(range(bands))  # taking the next is one step of the interpreter: no band is taken twice
+    waiting = iter(range(bands))  # the interpreter advances it in one step: no two threads take the same band
 
     def work() -> None:
+        """Run the kernel on one waiting band after the other."""
         for band in waiting:
             results[band] = kernel(edges[band], edges[band + 1], *arguments)
 
@@ -94,9 +113,9 @@ def over_rows(kernel: Callable[..., Any], height: int, *arguments: Any, least: i
     try:
         work()
     finally:
-        for _ in waiting:  # after an error the other bands need not begin
+        for _ in waiting:  # after an error no further band begins
             pass
-        begun = [helper for helper in helpers if not helper.cancel()]  # the others are busy elsewhere
+        begun = [helper for helper in helpers if not helper.cancel()]  # cancelled: its thread was busy with other work
         wait(begun)
     for helper in begun:
         helper.result()
@@ -105,5 +124,5 @@ def over_rows(kernel: Callable[..., Any], height: int, *arguments: Any, least: i
 
 @cache
 def _pool(process: int, threads: int) -> ThreadPoolExecutor:
-    """Kept from call to call. ``process``: after a fork the threads are gone."""
+    """Return a pool of threads, the same for each call of one ``process``: after a fork the threads are gone."""
     return ThreadPoolExecutor(threads, thread_name_prefix="flowabs")

@@ -1,36 +1,36 @@
 """Cube root, logarithm and powers of 2 of sixteen float32 at a time.
 
-The polynomials are minimax fits over the ranges said beside them. There are three powers of 2, since each digit costs
-time: :func:`exp2` for colours, :func:`exp2_of_negative` for the strength of lines, :func:`exp2_weight` for weights of
-means, where errors average out.
+The polynomials are minimax fits over the ranges in the comments beside them. There are three powers of 2 because each
+digit costs time: :func:`exp2` for colours, :func:`exp2_of_negative` for the strength of lines, and :func:`exp2_weight`
+for the weights of weighted means, where errors average out.
 """
 
 from __future__ import annotations
 
-from typing import Any
-
 from flowabs_nodes.simd.avx512 import fraction, scale_by_exp2_floor
-from flowabs_nodes.simd.lanes import bits_of, floor, from_bits, inlined, maximum, minimum, rint, to_floats, to_ints
+from flowabs_nodes.simd.jit import inlined
+from flowabs_nodes.simd.lanes import Floats, bits_of, floor, from_bits, maximum, minimum, rint, to_floats, to_ints
 
-LOG2_E = 1.4426950408889634  # e^x = 2^(LOG2_E x)
+#: The logarithm of e to base 2: e^x = 2^(LOG2_E x).
+LOG2_E = 1.4426950408889634
 
 
 @inlined
-def cube_root(x: Any) -> Any:
-    """x^(1/3) of a normal x > 0, within 2 units in the last place; any other x gives some number."""
+def cube_root(x: Floats) -> Floats:
+    """Return x^(1/3) of a normal x > 0, within 2 units in the last place; for any other x the result is undefined."""
     # The bits of a float are nearly 2^23 (log2 x + 127), so a third of them gives 1/cbrt(x), here within 6 % ...
     y = from_bits(to_ints(1418608640.0 - to_floats(bits_of(x)) * (1 / 3)))
     # ... which p(x y^3), p(c) ~ c^(-1/3) on 0.667 .. 0.791, takes to 2.7e-5,
     c = (x * y) * (y * y)
     y = y * (1.73084534 + c * (-1.1907579 + c * 0.46727044))
-    # and one step of Newton's for cbrt(x) = x y^2 to the rounding.
+    # and one step of Newton's method for cbrt(x) = x y^2 to the rounding.
     d = x * y * y
     return d * (1.0 + (2 / 3) * (1.0 - d * y))
 
 
 @inlined
-def log2(x: Any) -> Any:
-    """log2 of a normal x > 0, within 1e-7 of max(1, |log2 x|); any other x gives some number."""
+def log2(x: Floats) -> Floats:
+    """Return log2 x of a normal x > 0, within 1e-7 max(1, |log2 x|); for any other x the result is undefined."""
     # x = 2^e (1 + t), 2/3 <= 1 + t < 4/3, so that nothing cancels near x = 1.
     bits = bits_of(x)
     e = (bits - 0x3F2AAAAB) >> 23
@@ -43,8 +43,8 @@ def log2(x: Any) -> Any:
 
 
 @inlined
-def exp2(x: Any) -> Any:
-    """2^x for x > -125, relatively within 1.1e-7; above 127.49 it stays at 2^127.49, so that nothing becomes Inf."""
+def exp2(x: Floats) -> Floats:
+    """Return 2^x for x > -125, with a relative error below 1.1e-7. Above 127.49 it is 2^127.49, never Inf."""
     x = minimum(x, 127.49)
     whole = floor(x + 0.5)
     t = x - whole
@@ -54,8 +54,8 @@ def exp2(x: Any) -> Any:
 
 
 @inlined
-def exp2_of_negative(x: Any) -> Any:
-    """2^x for x <= 0, relatively within 3e-7; below -100, where nothing is left that would count, 2^-100."""
+def exp2_of_negative(x: Floats) -> Floats:
+    """Return 2^x for x <= 0, with a relative error below 3e-7. Below -100 it is 2^-100, which counts for nothing."""
     x = maximum(x, -100.0)
     whole = rint(x)
     t = x - whole
@@ -68,9 +68,9 @@ def exp2_of_negative(x: Any) -> Any:
 
 
 @inlined
-def exp2_weight(x: Any) -> Any:
-    """2^x for x <= 0, relatively within 4e-6; below -100, where nothing is left that would count, 2^-100."""
-    x = maximum(x, -100.0)  # sums with numbers below 2^-126, which are held with fewer digits, are slow
+def exp2_weight(x: Floats) -> Floats:
+    """Return 2^x for x <= 0, with a relative error below 4e-6. Below -100 it is 2^-100, which counts for nothing."""
+    x = maximum(x, -100.0)  # sums with subnormal numbers, below 2^-126, would be slow
     t = fraction(x)
     p = t * 0.01353417 + 0.05201146  # 2^t on 0 .. 1
     p = p * t + 0.24144276

@@ -1,8 +1,6 @@
-"""Whether all numbers of an array are finite."""
+"""Checking that all numbers of an array are finite."""
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 
@@ -16,29 +14,35 @@ from flowabs_nodes.simd.pixelwise import any_nan, first_pixel, over_pixels, zero
 
 
 def is_finite(array: Array) -> bool:
-    """Whether no number of a C-contiguous float32 array is NaN or Inf; in the engine each is looked at once."""
+    """Return whether no number of a C-contiguous float32 array is NaN or Inf.
+
+    An array that is known to be finite is not read (:mod:`~flowabs_nodes.simd.known_finite`), and one found finite
+    becomes known.
+    """
     if is_marked_finite(array):
         return True
     if array.size < LANES:
-        found = bool(np.isfinite(array).all())
+        finite = bool(np.isfinite(array).all())
     else:
-        run = array.reshape(-1)
-        found = not any(over_pixels(_not_finite, run.size, run))
-    if found:
+        numbers = array.reshape(-1)
+        finite = not any(over_pixels(_not_finite, numbers.size, numbers))
+    if finite:
         mark_finite(array)
-    return found
+    return finite
 
 
 def refuse_non_finite(name: str, array: Array) -> None:
-    """Raise ArgumentError that names the argument and counts its numbers that are NaN or Inf, if there are any."""
+    """Raise an ArgumentError if ``array`` holds NaN or Inf. It names the argument ``name`` and counts these numbers."""
     bad = int(array.size - np.isfinite(array).sum())
     if bad:
         raise ArgumentError(f"{name}: expected finite pixels, found {bad} that are NaN or Inf", parameter=name)
 
 
 @kernel
-def _not_finite(first: int, last: int, numbers: Any) -> Any:
+def _not_finite(first: int, last: int, numbers: Array) -> bool:
+    """Return whether the blocks first .. last - 1 of sixteen ``numbers`` (1-D float32) hold a NaN or an Inf."""
     total = splat_floats(0.0)
     for block in range(first, last):
         total = total + zero_or_nan(load(numbers, first_pixel(block, numbers.size)))
-    return any_nan(total)
+    found: bool = any_nan(total)
+    return found

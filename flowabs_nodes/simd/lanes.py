@@ -1,13 +1,13 @@
-"""The vector layer: sixteen pixels at a time, as values that numba kernels calculate with.
+"""Vectors of sixteen numbers, one for each of sixteen pixels, as values that compiled kernels calculate with.
 
-``floats``, ``doubles``, ``ints`` and ``masks`` are sixteen float32, float64, int32 or bits side by side. Kernels write
-``a * b + 1.0`` or ``select(a < b, a, b)`` and get vector instructions, where numba alone would have to be lucky.
-Numbers beside vectors stand for sixteen of them; nothing turns into another kind by itself (:func:`to_floats`).
+A vector has sixteen *lanes*. There are four kinds: ``floats`` (float32), ``doubles`` (float64), ``ints`` (int32) and
+``masks`` (one bit, the result of a comparison). Kernels write ``a * b + 1.0`` or ``select(a < b, a, b)`` and always get
+vector instructions; numba alone finds them in some loops and not in others. A number beside a vector counts as sixteen
+equal lanes. No kind is converted to another implicitly: kernels call :func:`to_floats` and its neighbours.
 
-Everything here is LLVM's own vector language, which it translates for any processor, in pieces where registers are
-shorter than sixteen floats. What AVX-512 has better is in :mod:`~flowabs_nodes.simd.avx512`.
-
-How vectors are read and written: :mod:`~flowabs_nodes.simd.memory`.
+The operations are written in LLVM's vector language, which LLVM translates for any processor. Where a register holds
+fewer than sixteen floats, a vector takes several. Operations that AVX-512 has special instructions for are in
+:mod:`~flowabs_nodes.simd.avx512`, and those that read and write vectors in :mod:`~flowabs_nodes.simd.memory`.
 """
 
 from __future__ import annotations
@@ -24,18 +24,25 @@ from numba.core.imputils import lower_builtin, lower_cast
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import intrinsic, models, register_model
 
-from flowabs_nodes.simd.jit import inlined as inlined  # for whoever has everything from here
-
+#: How many numbers a vector holds.
 LANES = 16
+
+# Annotations of vectors. A type checker cannot see what numba makes of them, so each stands for Any.
+Floats = Any  #: sixteen lanes of float32
+Doubles = Any  #: sixteen lanes of float64
+Ints = Any  #: sixteen lanes of int32
+Masks = Any  #: sixteen lanes of one bit, 1 where a comparison holds
 
 _I32, _I64, _F32, _F64 = ir.IntType(32), ir.IntType(64), ir.FloatType(), ir.DoubleType()
 _FLOATS, _DOUBLES, _INTS, _MASKS = (ir.VectorType(element, LANES) for element in (_F32, _F64, _I32, ir.IntType(1)))
-_CONTRACT = ("contract",)
-LOW = 0 if sys.byteorder == "little" else 1  # which half of 64 bits comes first in memory
+_CONTRACT = ("contract",)  # lets LLVM make one instruction of a product and a sum
+
+#: The position in memory of the lower half of 64 bits: 0, first, or 1, second.
+LOW = 0 if sys.byteorder == "little" else 1
 
 
 class Vector(types.Type):  # type: ignore[misc]
-    """The numba type of sixteen ``element``."""
+    """The numba type of a vector of sixteen ``element`` (a numba type), represented in LLVM by ``llvm``."""
 
     def __init__(self, name: str, element: Any, llvm: Any) -> None:
         super().__init__(name)
@@ -50,30 +57,36 @@ masks = Vector("masks", types.boolean, _MASKS)
 
 @register_model(Vector)
 class _Model(models.PrimitiveModel):  # type: ignore[misc]
+    """Tells numba that a vector is its LLVM type in memory and in registers alike."""
+
     def __init__(self, manager: Any, fe_type: Any) -> None:
         super().__init__(manager, fe_type, fe_type.llvm)
 
 
 def _splat(builder: Any, scalar: Any) -> Any:
-    """``scalar`` in all lanes."""
+    """Return a vector whose sixteen lanes all hold ``scalar``."""
     one = builder.insert_element(ir.Constant(ir.VectorType(scalar.type, LANES), ir.Undefined), scalar, _I32(0))
     return builder.shuffle_vector(one, one, ir.Constant(_INTS, [0] * LANES))
 
 
 def constant(vector: Any, value: float) -> Any:
+    """Return a constant of the LLVM type ``vector`` whose sixteen lanes all hold ``value``."""
     return ir.Constant(vector, [value] * LANES)
 
 
 @lower_cast(types.Number, Vector)
 def _from_number(context: Any, builder: Any, fromty: Any, toty: Any, value: Any) -> Any:
+    """Return a number beside a vector as a vector of the same kind."""
     return _splat(builder, context.cast(builder, value, fromty, toty.element))
 
 
 def shuffled(builder: Any, x: Any, y: Any, lanes: Sequence[int]) -> Any:
+    """Return the vector of the given ``lanes`` of x and y, which are counted through: those of y follow those of x."""
     return builder.shuffle_vector(x, y, ir.Constant(ir.VectorType(_I32, len(lanes)), list(lanes)))
 
 
 def concatenated(builder: Any, x: Any, y: Any) -> Any:
+    """Return the vector that holds the lanes of x and then those of y."""
     return shuffled(builder, x, y, range(2 * x.type.count))
 
 
@@ -81,9 +94,10 @@ def concatenated(builder: Any, x: Any, y: Any) -> Any:
 
 
 def _operator(function: Any, result: Callable[[Any], Any], **generators: Any) -> None:
-    """Declare ``function`` for vectors, how code for it is made given for ``floats``, ``ints`` or ``masks``.
+    """Declare the Python operator ``function`` for vectors.
 
-    What is good for floats is good for doubles.
+    ``result`` maps the kind of the operands to the kind of the result. ``generators`` holds, for each kind that has the
+    operator, a function that emits LLVM code for it; the one for ``floats`` serves ``doubles`` too.
     """
     if "floats" in generators:
         generators["doubles"] = generators["floats"]
@@ -107,34 +121,21 @@ def _operator(function: Any, result: Callable[[Any], Any], **generators: Any) ->
 
 
 def _same_kind(kind: Any) -> Any:
+    """Return the kind of the operands as the kind of the result."""
     return kind
 
 
 _operator(
-    operator.add,
-    _same_kind,
-    floats=lambda b, x, y: b.fadd(x, y, flags=_CONTRACT),
-    ints=lambda b, x, y: b.add(x, y),
+    operator.add, _same_kind, floats=lambda b, x, y: b.fadd(x, y, flags=_CONTRACT), ints=lambda b, x, y: b.add(x, y)
 )
 _operator(
-    operator.sub,
-    _same_kind,
-    floats=lambda b, x, y: b.fsub(x, y, flags=_CONTRACT),
-    ints=lambda b, x, y: b.sub(x, y),
+    operator.sub, _same_kind, floats=lambda b, x, y: b.fsub(x, y, flags=_CONTRACT), ints=lambda b, x, y: b.sub(x, y)
 )
 _operator(
-    operator.mul,
-    _same_kind,
-    floats=lambda b, x, y: b.fmul(x, y, flags=_CONTRACT),
-    ints=lambda b, x, y: b.mul(x, y),
+    operator.mul, _same_kind, floats=lambda b, x, y: b.fmul(x, y, flags=_CONTRACT), ints=lambda b, x, y: b.mul(x, y)
 )
 _operator(operator.truediv, _same_kind, floats=lambda b, x, y: b.fdiv(x, y, flags=_CONTRACT))
-_operator(
-    operator.neg,
-    _same_kind,
-    floats=lambda b, x: b.fneg(x),
-    ints=lambda b, x: b.neg(x),
-)
+_operator(operator.neg, _same_kind, floats=lambda b, x: b.fneg(x), ints=lambda b, x: b.neg(x))
 _operator(operator.and_, _same_kind, ints=lambda b, x, y: b.and_(x, y), masks=lambda b, x, y: b.and_(x, y))
 _operator(operator.or_, _same_kind, ints=lambda b, x, y: b.or_(x, y), masks=lambda b, x, y: b.or_(x, y))
 _operator(operator.xor, _same_kind, ints=lambda b, x, y: b.xor(x, y))
@@ -143,6 +144,7 @@ _operator(operator.rshift, _same_kind, ints=lambda b, x, y: b.ashr(x, y))
 
 
 def _comparison(function: Any, sign: str) -> None:
+    """Declare the comparison ``function`` (``sign`` in LLVM) of floats, doubles or ints: false where one is NaN."""
     _operator(
         function,
         lambda _: masks,
@@ -162,7 +164,10 @@ _comparison(operator.eq, "==")
 
 
 def operation(kinds: Sequence[Any], result: Any, generate: Callable[..., Any]) -> Any:
-    """An operation on vectors of these kinds; numbers are taken for vectors. ``generate``: from builder and values."""
+    """Return a function of up to two vectors of the given ``kinds``, for use in kernels.
+
+    A number may stand for a vector. ``generate(builder, *values)`` emits its LLVM code, ``result`` is its numba type.
+    """
 
     def declare(*args: Any) -> Any:
         if any(not (arg is kind or isinstance(arg, types.Number)) for arg, kind in zip(args, kinds, strict=True)):
@@ -177,7 +182,7 @@ def operation(kinds: Sequence[Any], result: Any, generate: Callable[..., Any]) -
 
 
 def llvm_function(name: str, result: Any, *kinds: Any) -> Callable[..., Any]:
-    """Calls one of LLVM's own functions."""
+    """Return a generator (of :func:`operation`) of a call to LLVM's function ``name``, of the given LLVM types."""
 
     def generate(builder: Any, *values: Any) -> Any:
         function = cgutils.get_or_insert_function(builder.module, ir.FunctionType(result, kinds), name)
@@ -186,26 +191,29 @@ def llvm_function(name: str, result: Any, *kinds: Any) -> Callable[..., Any]:
     return generate
 
 
-#: Whole numbers only.
+#: Convert ints to floats, to the nearest.
 to_floats = operation([ints], floats, lambda b, x: b.sitofp(x, _FLOATS))
-#: float32 as float64, which loses nothing, and back, to the nearest.
+#: Convert floats to doubles, which is exact, and doubles to floats, to the nearest.
 to_doubles = operation([floats], doubles, lambda b, x: b.fpext(x, _DOUBLES))
 from_doubles = operation([doubles], floats, lambda b, x: b.fptrunc(x, _FLOATS))
-#: The same bits as another kind.
+#: Reinterpret the bits of floats as ints, and the bits of ints as floats.
 bits_of = operation([floats], ints, lambda b, x: b.bitcast(x, _INTS))
 from_bits = operation([ints], floats, lambda b, x: b.bitcast(x, _FLOATS))
+#: Return a vector whose sixteen lanes all hold a number.
 splat_floats = operation([floats], floats, lambda b, x: x)
 splat_doubles = operation([doubles], doubles, lambda b, x: x)
 splat_ints = operation([ints], ints, lambda b, x: x)
-#: Sixteen whole numbers 0, 1 .. 15.
+#: Return the ints 0, 1 .. 15.
 lane_indices = operation([], ints, lambda b: ir.Constant(_INTS, list(range(LANES))))
-#: Whether any lane is set.
+#: Return whether any lane of a mask is set, a bool.
 any_lane = operation(
     [masks], types.boolean, lambda b, x: b.icmp_unsigned("!=", b.bitcast(x, ir.IntType(16)), ir.IntType(16)(0))
 )
 
 
 def _of_floats_or_doubles(name: str) -> Any:
+    """Return LLVM's function ``name`` of one vector of floats or doubles, for use in kernels."""
+
     def declare(typingctx: Any, x: Any) -> Any:
         function = llvm_function(f"llvm.{name}.v16f{32 if x is floats else 64}", x.llvm, x.llvm)
         return x(x), lambda context, builder, sig, values: function(builder, *values)
@@ -221,16 +229,16 @@ rint = _of_floats_or_doubles("rint")  # half to even
 
 @intrinsic
 def to_ints(typingctx: Any, x: Any) -> Any:
-    """Floats or doubles without what comes after the point; they must be within int32."""
+    """Return floats or doubles as ints, rounded towards zero. They must be in the range of int32."""
     return ints(x), lambda context, builder, sig, values: builder.fptosi(values[0], _INTS)
 
 
 @intrinsic
 def round_to_ints(typingctx: Any, x: Any) -> Any:
-    """Doubles to the nearest whole numbers, half to even; modulo 2^32 if they are below 2^51."""
+    """Return doubles as ints, rounded to the nearest, half to even. Those below 2^51 in size wrap around at 2^32."""
 
     def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
-        # In 2^52 + 2^51 + x the last bit counts ones: the whole number is the lower half of what it is made of.
+        # In 2^52 + 2^51 + x the last bit of the mantissa counts ones, so its lower 32 bits are the rounded x.
         moved = builder.fadd(values[0], constant(_DOUBLES, 1.5 * 2.0**52))
         halves = builder.bitcast(moved, ir.VectorType(_I32, 2 * LANES))
         return shuffled(builder, halves, halves, range(LOW, 2 * LANES, 2))
@@ -240,7 +248,7 @@ def round_to_ints(typingctx: Any, x: Any) -> Any:
 
 @intrinsic
 def prefix_sums(typingctx: Any, x: Any) -> Any:
-    """Of ints: in each lane the sum of all up to it."""
+    """Return, in each lane, the sum of the ints x in all lanes up to and including it."""
 
     def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
         total = values[0]
@@ -254,20 +262,20 @@ def prefix_sums(typingctx: Any, x: Any) -> Any:
 
 @intrinsic
 def last_lane(typingctx: Any, x: Any) -> Any:
-    """Ints of what is in the last lane."""
+    """Return a vector whose sixteen lanes all hold the last lane of the ints x."""
     last = [LANES - 1] * LANES
     return ints(ints), lambda context, builder, sig, values: shuffled(builder, values[0], values[0], last)
 
 
 @intrinsic
 def select(typingctx: Any, where: Any, then: Any, otherwise: Any) -> Any:
-    """``then`` in the lanes of the mask, ``otherwise`` in the others."""
+    """Return ``then`` in the lanes where the mask ``where`` is set, ``otherwise`` in the others."""
     kind = then if isinstance(then, Vector) else otherwise
     return kind(masks, kind, kind), lambda context, builder, sig, values: builder.select(*values)
 
 
 def _first_if(sign: str) -> Any:
-    """Of two vectors, or a vector and a number, in each lane the first one if the comparison holds, else the second."""
+    """Return a function of x and y, two vectors or a vector and a number: in each lane x if "x ``sign`` y", else y."""
 
     def declare(typingctx: Any, x: Any, y: Any) -> Any:
         kind = x if isinstance(x, Vector) else y
@@ -281,4 +289,5 @@ def _first_if(sign: str) -> Any:
     return intrinsic(declare)
 
 
+#: Return the smaller, or the larger, of two numbers in each lane; the second where one of them is NaN.
 minimum, maximum = _first_if("<"), _first_if(">")

@@ -1,14 +1,15 @@
-"""Reading and writing vectors: sixteen neighbours, or a record at each of sixteen places.
+"""Reading and writing vectors: sixteen neighbouring items, or a record at each of sixteen scattered indices.
 
-Reading at scattered places is what the filters spend their time on. One load for each pixel, of a whole record of
-neighbouring floats, and shuffling these into vectors beats the processors' own gather instructions by far; and the
-addresses are best passed through memory, since taking them out of a vector one by one costs more than the loads.
+The filters spend most of their time in gathers (reads at scattered indices). A *record* is the few neighbouring floats
+of one pixel. One load per pixel of its whole record, shuffled into vectors afterwards, is much faster than the
+processors' own gather instructions. Indices come from memory, not from a vector: extracting sixteen of them from a
+vector costs more than the loads themselves.
 
-What is worked out for one sixteen pixels after the other waits for loads; what goes through :func:`scratch`, a step for
-many pixels and then the next step, does not (:func:`gather_pairs`, :func:`gather_quads`).
+A kernel that takes one block of sixteen pixels through all its steps waits for each load. A kernel that takes many
+blocks through one step, keeps the state in :func:`scratch` memory and then takes them through the next step does not.
 
-Arrays are one-dimensional float32, float64 or int32, or complex64 for pairs of floats; places in them count items, and
-nothing is checked: whoever asks for sixteen floats from ``i`` on sees to it that they are there.
+Arrays are one-dimensional: float32, float64 or int32, or complex64 for pairs of floats. Indices count items of the
+array. No bounds are checked: the caller makes sure that the items exist.
 """
 
 from __future__ import annotations
@@ -27,23 +28,26 @@ _I32, _I64, _F32, _F64 = ir.IntType(32), ir.IntType(64), ir.FloatType(), ir.Doub
 
 
 def _address(context: Any, builder: Any, array_type: Any, array: Any, i: Any, pointee: Any) -> Any:
+    """Return the address of array[i], of an array or scratch memory, as an LLVM pointer to ``pointee``."""
     data = array if isinstance(array_type, Scratch) else context.make_array(array_type)(context, builder, array).data
     i = builder.sext(i, _I64) if i.type.width < 64 else i
     return builder.bitcast(builder.gep(data, [i]), pointee.as_pointer())
 
 
 def _aligned_to_a_float(instruction: Any) -> Any:
+    """Return a load or a store, told that its address is a multiple of four bytes and perhaps of no more."""
     instruction.align = 4
     return instruction
 
 
 def _kind_of(array: Any) -> Any:
+    """Return the kind of vector that holds items of ``array``, a numba type."""
     return {kind.element: kind for kind in (floats, doubles, ints)}[array.dtype]
 
 
 @intrinsic
 def load(typingctx: Any, array: Any, i: Any) -> Any:
-    """array[i .. i + 15]: floats, doubles or ints, as the array is."""
+    """Return array[i .. i + 15] as floats, doubles or ints, by the dtype of the array."""
     kind = _kind_of(array)
 
     def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
@@ -56,7 +60,7 @@ def load(typingctx: Any, array: Any, i: Any) -> Any:
 
 @intrinsic
 def store(typingctx: Any, array: Any, i: Any, vector: Any) -> Any:
-    """array[i .. i + 15] = vector."""
+    """Write ``vector`` to array[i .. i + 15]."""
     kind = _kind_of(array)
 
     def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
@@ -69,7 +73,10 @@ def store(typingctx: Any, array: Any, i: Any, vector: Any) -> Any:
 
 
 class Scratch(types.Type):  # type: ignore[misc]
-    """The numba type of :func:`scratch` memory: of an array only where it begins, which compiles faster."""
+    """The numba type of :func:`scratch` memory: only its address, where numba's arrays also carry shape and strides.
+
+    Kernels compile faster with it.
+    """
 
     def __init__(self, dtype: Any) -> None:
         super().__init__(f"memory({dtype})")
@@ -78,15 +85,20 @@ class Scratch(types.Type):  # type: ignore[misc]
 
 @register_model(Scratch)
 class _ScratchModel(models.PrimitiveModel):  # type: ignore[misc]
+    """Tells numba that scratch memory is a pointer to its first item."""
+
     def __init__(self, manager: Any, fe_type: Any) -> None:
         super().__init__(manager, fe_type, manager.lookup(fe_type.dtype).get_value_type().as_pointer())
 
 
 @intrinsic
 def scratch(typingctx: Any, dtype: Any, count: Any) -> Any:
-    """Memory for ``count`` (a constant) vectors on the stack of the kernel that asks, to load from and store to."""
+    """Return memory on the kernel's stack for ``count`` vectors of ``dtype``, not initialised.
+
+    ``count`` is a constant. The memory is indexed by items, like an array: its k-th vector begins at index 16 k.
+    """
     if not isinstance(count, types.IntegerLiteral):
-        return None  # numba asks again with the constant
+        return None  # numba then asks again, with the constant
 
     def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
         pointer = context.get_value_type(sig.return_type)
@@ -98,6 +110,8 @@ def scratch(typingctx: Any, dtype: Any, count: Any) -> Any:
 
 
 def _prefetcher(to_write: bool) -> Any:
+    """Return a function that asks the processor to fetch an item of an array into the cache, for use in kernels."""
+
     def declare(typingctx: Any, array: Any, i: Any) -> Any:
         def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
             byte = ir.IntType(8).as_pointer()
@@ -112,13 +126,13 @@ def _prefetcher(to_write: bool) -> Any:
     return intrinsic(declare)
 
 
-#: Have the line of memory of array[i] fetched that is read, or written, before long. Any i will do.
+#: Ask for the cache line of array[i], which is soon read, or written. This is only a hint: i may be out of bounds.
 prefetch, prefetch_for_write = _prefetcher(False), _prefetcher(True)
 
 
 def _addresses(builder: Any, indices: Any) -> list[Any]:
-    """Sixteen scalars from memory, two at a time: loads are what there is never enough of."""
-    # An empty instruction that LLVM cannot look into: it would take the numbers out of the register after all.
+    """Return sixteen int32 from memory as scalars, loaded two at a time: the number of loads limits the speed."""
+    # LLVM cannot see through this empty instruction. Otherwise it would extract the numbers from a vector after all.
     opaque = ir.InlineAsm(ir.FunctionType(_I64.as_pointer(), [_I64.as_pointer()]), "", "=r,0")
     first = builder.call(opaque, [builder.bitcast(indices, _I64.as_pointer())])
     two = [builder.load(builder.gep(first, [_I64(k)])) for k in range(LANES // 2)]
@@ -130,7 +144,7 @@ def _addresses(builder: Any, indices: Any) -> list[Any]:
 
 
 def _records(context: Any, builder: Any, sig: Any, values: Any, record: Any) -> list[Any]:
-    """The record at array[i] for each of sixteen i in memory."""
+    """Return the ``record`` (an LLVM type) at array[i] for each of the sixteen i in places[k .. k + 15]."""
     data = context.make_array(sig.args[0])(context, builder, values[0]).data
     indices = _address(context, builder, sig.args[1], values[1], values[2], ints.llvm)
     return [
@@ -140,7 +154,8 @@ def _records(context: Any, builder: Any, sig: Any, values: Any, record: Any) -> 
 
 
 def _pairs(context: Any, builder: Any, sig: Any, values: Any) -> Any:
-    read = _records(context, builder, sig, values, _F64)  # 64 bits in one go, never calculated with
+    """Generate :func:`gather_pairs`."""
+    read = _records(context, builder, sig, values, _F64)  # a pair is moved as 64 bits, never calculated with
     halves = []
     for half in (read[:8], read[8:]):
         vector = ir.Constant(ir.VectorType(_F64, 8), ir.Undefined)
@@ -153,11 +168,15 @@ def _pairs(context: Any, builder: Any, sig: Any, values: Any) -> Any:
 
 @intrinsic
 def gather_pairs(typingctx: Any, array: Any, places: Any, k: Any) -> Any:
-    """(array[i], array[i + 1]) for each i in places[k .. k + 15], as two vectors."""
+    """Return two vectors: array[i] and array[i + 1], counted in floats, for each i in places[k .. k + 15].
+
+    Of a complex64 array, i counts pairs: the vectors are the real and imaginary parts of array[i].
+    """
     return types.UniTuple(floats, 2)(array, places, k), _pairs
 
 
 def _quads(context: Any, builder: Any, sig: Any, values: Any) -> Any:
+    """Generate :func:`gather_quads`."""
     read = _records(context, builder, sig, values, ir.VectorType(_F32, 4))
     # Four vectors with records k, k + 4, k + 8, k + 12 each, then a 4 x 4 transpose in each quarter.
     rows = [
@@ -170,7 +189,7 @@ def _quads(context: Any, builder: Any, sig: Any, values: Any) -> Any:
 
 
 def _transposed(builder: Any, rows: Sequence[Any]) -> list[Any]:
-    """Four vectors as 4 x 4 matrices, one in each quarter."""
+    """Return four vectors with their quarters transposed: quarter q of the four is a 4 x 4 matrix, for each q."""
 
     def mix(x: Any, y: Any, pattern: Sequence[int]) -> Any:
         return shuffled(builder, x, y, [k % 4 + q + (k // 4) * LANES for q in range(0, LANES, 4) for k in pattern])
@@ -184,13 +203,16 @@ def _transposed(builder: Any, rows: Sequence[Any]) -> list[Any]:
 
 @intrinsic
 def gather_quads(typingctx: Any, array: Any, places: Any, k: Any) -> Any:
-    """(array[i], array[i + 1], array[i + 2], array[i + 3]) for each i in places[k .. k + 15], as four vectors."""
+    """Return four vectors: the floats array[i .. i + 3], for each i in places[k .. k + 15].
+
+    Of a complex64 array, i counts pairs: the vectors are the parts of array[i] and of array[i + 1].
+    """
     return types.UniTuple(floats, 4)(array, places, k), _quads
 
 
 @intrinsic
 def gather_octets(typingctx: Any, array: Any, places: Any, k: Any) -> Any:
-    """(array[i], array[i + 1] .. array[i + 7]) for each i in places[k .. k + 15], as eight vectors."""
+    """Return eight vectors: the floats array[i .. i + 7], for each i in places[k .. k + 15]."""
 
     def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
         read = _records(context, builder, sig, values, ir.VectorType(_F32, 8))
@@ -210,11 +232,11 @@ def gather_octets(typingctx: Any, array: Any, places: Any, k: Any) -> Any:
 
 
 def _interleaved(size: int) -> tuple[Any, Any]:
-    """Reading and writing sixteen neighbouring records of ``size`` floats, as ``size`` vectors."""
+    """Return a function that reads, and one that writes, sixteen neighbouring records of ``size`` floats."""
 
     @intrinsic
     def load_records(typingctx: Any, array: Any, i: Any) -> Any:
-        """The sixteen records from array[i] on, one vector for each float of a record."""
+        """Return the sixteen records from array[i] on as ``size`` vectors: the first floats, the second ..."""
 
         def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
             all_of_them = ir.VectorType(_F32, LANES * size)
@@ -231,7 +253,7 @@ def _interleaved(size: int) -> tuple[Any, Any]:
 
     @intrinsic
     def store_records(typingctx: Any, array: Any, i: Any, vectors: Any) -> Any:
-        """Sixteen records from array[i] on, from a tuple of vectors."""
+        """Write sixteen records from array[i] on. ``vectors`` holds their first floats, their second ..."""
 
         def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
             parts = cgutils.unpack_tuple(builder, values[2])
@@ -250,6 +272,7 @@ def _interleaved(size: int) -> tuple[Any, Any]:
     return load_records, store_records
 
 
+#: load_pairs(array, i) and store_pairs(array, i, (x, y)); triples and quads likewise.
 load_pairs, store_pairs = _interleaved(2)
 load_triples, store_triples = _interleaved(3)
 load_quads, store_quads = _interleaved(4)

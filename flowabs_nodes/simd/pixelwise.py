@@ -1,7 +1,8 @@
-"""Pictures as one run of pixels, for kernels in which each pixel is on its own: rows do not matter there.
+"""Pictures as one run of pixels, for kernels that compute each pixel on its own, whatever its row.
 
-Such a kernel is called with the numbers of its first and last blocks of sixteen pixels: ``for block in range(first,
-last)``, the pixels from ``first_of(block, pixels)`` on. The last block overlaps the one before it.
+Such a kernel works on blocks of sixteen pixels, ``for block in range(first, last)``, each from the pixel
+``first_pixel(block, pixels)`` on. The last block of a picture overlaps the one before it where the pixels are not a
+multiple of sixteen.
 """
 
 from __future__ import annotations
@@ -14,46 +15,53 @@ import numpy as np
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined
-from flowabs_nodes.simd.lanes import LANES, any_lane, bits_of
+from flowabs_nodes.simd.lanes import LANES, Floats, any_lane, bits_of
 
-_LEAST = 256  # blocks in a band
+_LEAST = 256  # blocks in a band at least: a shorter one is not worth another thread
 
 
 def as_run(picture: Array, channels: int = 1) -> Array:
-    """All numbers of a picture, (pixels x channels,); a picture of fewer than sixteen pixels is repeated."""
+    """Return the pixels of a C-contiguous ``picture`` of any shape as a 1-D array of pixels x ``channels`` numbers.
+
+    The array shares the picture's memory, except that fewer than sixteen pixels are copied and repeated to sixteen.
+    """
     run = picture.reshape(-1)
     return run if run.size >= LANES * channels else np.resize(run, LANES * channels)
 
 
 def empty_run(pixels: int, channels: int = 1) -> Array:
-    """As :func:`as_run`, not filled."""
+    """Return an uninitialised float32 array for the run of a picture, of at least sixteen pixels."""
     return np.empty(max(pixels, LANES) * channels, np.float32)
 
 
 def as_picture(run: Array, *shape: int) -> Array:
-    """A run as a picture again."""
+    """Return a run as a picture of the given ``shape``, without the pixels that filled it up to sixteen."""
     size = int(np.prod(shape))
     return run[:size].reshape(shape) if run.size > size else run.reshape(shape)
 
 
 def over_pixels(kernel: Callable[..., Any], pixels: int, *arguments: Any) -> list[Any]:
-    """``kernel(first, last, *arguments)`` for bands that together are all pixels; what it returned."""
+    """Call ``kernel(first, last, *arguments)`` for ranges of blocks that together are all ``pixels``, by threads.
+
+    Returns a list of the kernel's results, one for each range (:func:`~flowabs_nodes.simd.bands.over_rows`).
+    """
     return over_rows(kernel, -(-pixels // LANES), *arguments, least=_LEAST)
 
 
 @inlined
 def first_pixel(block: int, pixels: int) -> int:
-    """The first of a block's sixteen pixels."""
+    """Return the index of the first of the sixteen pixels of ``block``, in a run of ``pixels`` pixels."""
     return min(LANES * block, pixels - LANES)
 
 
 @inlined
-def zero_or_nan(x: Any) -> Any:
-    """0 for a finite number, else NaN: sums of it stay NaN."""
+def zero_or_nan(x: Floats) -> Floats:
+    """Return 0 where x is finite and NaN where it is not. A sum of many of these is NaN if one is."""
     return x - x
 
 
 @inlined
-def any_nan(x: Any) -> Any:
-    """Whether any lane is NaN, of a vector whose others are 0."""
-    return any_lane((bits_of(x) & 0x7FFFFFFF) > 0)
+def any_nan(x: Floats) -> bool:
+    """Return whether any lane is NaN, for a vector whose lanes are NaN or 0."""
+    found: bool = any_lane((bits_of(x) & 0x7FFFFFFF) > 0)  # -0 counts as 0
+    return found

@@ -12,7 +12,7 @@ Result = TypeVar("Result")
 
 @pytest.fixture
 def each_thread_count() -> Callable[[Callable[[], Result]], list[Result]]:
-    """Run a function on one thread, on two and on three; a list of what it returned."""
+    """Return a helper that calls a function on one, two and three threads, and lists the three results."""
 
     def run(function: Callable[[], Result]) -> list[Result]:
         results = []

@@ -1,4 +1,4 @@
-"""Pictures that the filters are tried on, as code values 0..255."""
+"""Pictures that the filters are tested on, as float32 code values 0 to 255."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ DATA = Path(__file__).parent.parent / "data"
 
 
 def photo() -> npt.NDArray[np.float32]:
-    """A cat's eye, (64, 64, 3)."""
+    """Return a photograph of a cat's eye, (64, 64, 3)."""
     pixels = oiio.ImageInput.open(str(DATA / "chelsea_eye.png")).read_image("uint8")
     return np.asarray(pixels, np.float32)
 
 
 def noise(height: int = 60, width: int = 41, seed: int = 0) -> npt.NDArray[np.float32]:
-    """White noise, (H, W)."""
+    """Return white noise, (H, W)."""
     return np.random.default_rng(seed).uniform(0, 255, (height, width)).astype(np.float32)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tests.naive.walk import READ, curve
+from tests.naive.streamline import READ, curve
 
 
 def fbl(codes, flow, sigma_e, r_e, sigma_g, r_g, iterations, sampling="nearest", alpha=None):

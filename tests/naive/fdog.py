@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tests.naive.walk import Float64, along, bilinear, centres, curve, gaussian
+from tests.naive.streamline import Float64, along, bilinear, centres, curve, gaussian
 
 
 def taps(sigma_c: float, rho: float) -> Float64:

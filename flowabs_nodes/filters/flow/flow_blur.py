@@ -33,8 +33,8 @@ from flowabs_nodes.sampling.tile_cache import (
     tile_around,
     tile_capacity,
 )
-from flowabs_nodes.simd.jit import kernel
-from flowabs_nodes.simd.lanes import LANES, inlined
+from flowabs_nodes.simd.jit import inlined, kernel
+from flowabs_nodes.simd.lanes import LANES
 from flowabs_nodes.simd.memory import gather_pairs, gather_quads, load, load_pairs, scratch, store
 
 _SUMS = 4 * BLOCKS  # vectors of sums: a row of a tile, four channels

@@ -26,8 +26,8 @@ from flowabs_nodes.sampling.tile_cache import (
     tile_capacity,
     tile_offset,
 )
-from flowabs_nodes.simd.jit import kernel
-from flowabs_nodes.simd.lanes import LANES, floor, inlined, lane_indices, to_ints
+from flowabs_nodes.simd.jit import inlined, kernel
+from flowabs_nodes.simd.lanes import LANES, floor, lane_indices, to_ints
 from flowabs_nodes.simd.memory import load, load_pairs, scratch, store
 
 _STEPS = 8  # are located before the first of them is sampled, so that gathers need not wait for each other

@@ -24,8 +24,8 @@ from flowabs_nodes.sampling.coords import Raster, padded_rows
 from flowabs_nodes.sampling.samples import TINY, Color
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.elementary import LOG2_E, exp2_weight
-from flowabs_nodes.simd.jit import kernel
-from flowabs_nodes.simd.lanes import LANES, inlined, select, splat_floats
+from flowabs_nodes.simd.jit import inlined, kernel
+from flowabs_nodes.simd.lanes import LANES, select, splat_floats
 from flowabs_nodes.simd.memory import load, load_quads, load_triples, store, store_quads, store_triples
 
 #: Smooths the records of its first argument and writes the result to its second.

@@ -8,7 +8,7 @@ from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import flow_blur
 from flowabs_nodes.filters.flow.flow_blur import along
 from tests.filters.flows import THIN, cases, random_flow
-from tests.naive import walk as naive
+from tests.naive import streamline as naive
 
 
 @pytest.mark.parametrize("sampling", SAMPLINGS)

@@ -4,7 +4,7 @@ import pytest
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import lic
 from tests.filters.flows import cases, random_flow
-from tests.naive import walk as naive
+from tests.naive import streamline as naive
 
 
 def test_is_noise_averaged_along_the_flow():

@@ -8,7 +8,7 @@ from flowabs_nodes.errors import ArgumentError, FlowabsError
 from flowabs_nodes.filters import canny
 from tests.filters.flows import THIN
 from tests.filters.pictures import noise, photo
-from tests.naive.walk import gaussian
+from tests.naive.streamline import gaussian
 
 
 def reference(code, sigma, low, high):
