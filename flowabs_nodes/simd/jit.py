@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from flowabs_nodes.simd.kernel_cache import PACKAGE, KernelCache
+from flowabs_nodes.simd.kernel_cache import kept
+from flowabs_nodes.simd.kernel_version import PACKAGE
 
-_compiled = njit(nogil=True, no_cfunc_wrapper=True, error_model="numpy", fastmath={"contract"})
+_KERNEL = {"nogil": True, "no_cfunc_wrapper": True, "error_model": "numpy", "fastmath": {"contract"}}
 
 #: Small functions that kernels are made of: always inlined by LLVM. Python cannot call them: making that possible would
 #: take longer than all the rest.
@@ -27,12 +28,9 @@ inline = njit(inline="always")
 
 
 def kernel(function: Callable[..., Any]) -> Any:
-    """A function of this package as a kernel: compiled when it is first called, or read from disk."""
-    dispatcher = _compiled(function)
+    """Return a function of this package as a kernel: compiled when it is first called, or read from disk."""
     # Of functions elsewhere (a test's) the cache would not see a change.
-    if dispatcher.__module__.startswith(f"{PACKAGE}."):
-        dispatcher._cache = KernelCache(dispatcher.py_func)
-    return dispatcher
+    return kept(function, **_KERNEL) if function.__module__.startswith(f"{PACKAGE}.") else njit(**_KERNEL)(function)
 
 
 def _keep_freed_memory() -> None:
