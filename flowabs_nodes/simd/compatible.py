@@ -1,0 +1,40 @@
+"""Which numba the vector layer is made for, and what to say where another one does not fit.
+
+This module imports no numba.
+"""
+
+from __future__ import annotations
+
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from flowabs_nodes.errors import FlowabsError
+
+NUMBA = ">=0.60,<0.69"  #: As pyproject.toml has it: the oldest and the newest that pass the tests.
+
+
+class NumbaError(FlowabsError):
+    """The installed numba is not one that kernels can be built with."""
+
+    code = "numba-misfit"
+
+
+def misfit(error: BaseException) -> NumbaError | None:
+    """Return what to raise in place of an error if it came up while this package was building its vector layer."""
+    if not isinstance(error, ImportError | AttributeError | TypeError):
+        return None
+    place = error.__traceback__
+    while place is not None:
+        code = place.tb_frame.f_code
+        if code.co_name == "<module>" and Path(code.co_filename).parent == Path(__file__).parent:
+            there = " and ".join(f"{name} {_version(name)}" for name in ("numba", "llvmlite"))
+            return NumbaError(f"kernels cannot be built with {there} ({error})", hint=f"works with numba{NUMBA}")
+        place = place.tb_next
+    return None
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "missing"
