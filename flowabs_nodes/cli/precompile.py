@@ -140,7 +140,8 @@ def main(graph: str, values: str) -> None:
 
     def end_with_parent() -> None:
         with suppress(OSError):
-            sys.stdin.buffer.read()
+            while os.read(0, 1):
+                pass
         os._exit(1)
 
     threading.Thread(target=end_with_parent, daemon=True).start()

@@ -12,6 +12,9 @@ from flowabs_nodes.errors import FlowabsError
 
 NUMBA = ">=0.60,<0.69"  #: As pyproject.toml has it: the oldest and the newest that pass the tests.
 
+#: Whose functions run while kernels are compiled, and never later.
+_BUILDERS = {"lanes.py", "memory.py", "avx512.py"}
+
 
 class NumbaError(FlowabsError):
     """The installed numba is not one that kernels can be built with."""
@@ -26,7 +29,8 @@ def misfit(error: BaseException) -> NumbaError | None:
     place = error.__traceback__
     while place is not None:
         code = place.tb_frame.f_code
-        if code.co_name == "<module>" and Path(code.co_filename).parent == Path(__file__).parent:
+        file = Path(code.co_filename)
+        if file.parent == Path(__file__).parent and (code.co_name == "<module>" or file.name in _BUILDERS):
             there = " and ".join(f"{name} {_version(name)}" for name in ("numba", "llvmlite"))
             return NumbaError(f"kernels cannot be built with {there} ({error})", hint=f"works with numba{NUMBA}")
         place = place.tb_next

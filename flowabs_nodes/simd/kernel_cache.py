@@ -15,7 +15,6 @@ import os
 import pickle
 import uuid
 import zlib
-from abc import ABC, abstractmethod
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -45,7 +44,7 @@ def kept(function: Callable[..., Any], **options: Any) -> Any:
     return dispatcher
 
 
-class KernelCache(ABC):
+class KernelCache:
     """What numba asks for the compiled code of one function, and gives it to. Never raises."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
@@ -94,11 +93,11 @@ class KernelCache(ABC):
         signature = hashlib.sha256(str(sig).encode()).hexdigest()[:8]
         return folder / f"{self.name}-{signature}.turn" if folder is not None else None
 
-    @abstractmethod
-    def _load(self, sig: Any, context: Any) -> Any: ...
+    def _load(self, sig: Any, context: Any) -> Any:
+        raise NotImplementedError
 
-    @abstractmethod
-    def _save(self, sig: Any, compiled: Any) -> None: ...
+    def _save(self, sig: Any, compiled: Any) -> None:
+        raise NotImplementedError
 
 
 class OneFileEach(KernelCache):
@@ -156,7 +155,7 @@ class NumbasOwn(KernelCache):
 
 
 def _read(file: Path) -> bytes | None:
-    """Return what was written; None where there is no file, or not one of ours. Raises ValueError where it is damaged."""
+    """Return what was written; None where no file of ours is. Raises ValueError where it is damaged."""
     try:
         with open(file, "rb") as opened:
             if not cache_folder.is_ours(os.fstat(opened.fileno())):

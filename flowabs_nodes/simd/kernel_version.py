@@ -46,7 +46,9 @@ def kernel_version() -> str:
         found = []
     tools = (PATH, numba.__version__, llvmlite.__version__, sys.version, sys.platform)
     processor = (binding.get_host_cpu_name(), binding.get_host_cpu_features().flatten())
-    told = sorted(each for each in os.environ.items() if each[0].startswith("NUMBA_") and each[0] not in _NOT_ABOUT_CODE)
+    told = sorted(
+        each for each in os.environ.items() if each[0].startswith("NUMBA_") and each[0] not in _NOT_ABOUT_CODE
+    )
     return hashlib.sha256(pickle.dumps((found, tools, processor, told))).hexdigest()[:16] if found else ""
 
 

@@ -13,14 +13,14 @@ try:
     from numba.core.runtime import rtsys
     from numba.core.serialize import dumps
 
-    _NAMES = (CompileResult._rebuild, CompileResult._reduce, rtsys.initialize, dumps)
+    _complete = all(map(callable, (CompileResult._rebuild, CompileResult._reduce, rtsys.initialize, dumps)))
 except (ImportError, AttributeError):
-    _NAMES = ()
+    _complete = False
 
 
 def available(dispatcher: Any) -> bool:
     """Return whether this numba has every name that this file uses."""
-    return bool(_NAMES) and hasattr(dispatcher, "_cache") and hasattr(dispatcher.targetctx.codegen(), "magic_tuple")
+    return _complete and hasattr(dispatcher, "_cache") and hasattr(dispatcher.targetctx.codegen(), "magic_tuple")
 
 
 def processor(codegen: Any) -> str:

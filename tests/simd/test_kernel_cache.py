@@ -15,7 +15,7 @@ import pytest
 from numba.core import event
 
 import flowabs_nodes
-from flowabs_nodes.simd import cache_folder, compile_turn, kernel_cache, kernel_version
+from flowabs_nodes.simd import cache_folder, compile_turn, kernel_version
 from flowabs_nodes.simd.cache_folder import Place
 from flowabs_nodes.simd.jit import kernel
 from flowabs_nodes.simd.kernel_cache import OneFileEach, _checksum
@@ -447,7 +447,9 @@ def test_where_numba_has_changed_inside_its_own_cache_serves(tmp_path, name):
     code = NAMES_TAKEN + COLOR.replace("assert compiled or not", "True or not")
 
     def run():
-        done = subprocess.run([sys.executable, "-c", code, name], cwd=ELSEWHERE, env=use, capture_output=True, text=True)
+        done = subprocess.run(
+            [sys.executable, "-c", code, name], cwd=ELSEWHERE, env=use, capture_output=True, text=True
+        )
         assert done.returncode == 0, done.stderr
         assert done.stderr == ""
         return int(done.stdout.split()[1])
@@ -457,7 +459,9 @@ def test_where_numba_has_changed_inside_its_own_cache_serves(tmp_path, name):
     assert bool(list(tmp_path.rglob("*.nbi"))) == (name != "_Cache")
     if name == "_rebuild":
         next(tmp_path.rglob("*.nbi")).write_bytes(bytes(4))
-        done = subprocess.run([sys.executable, "-c", code, name], cwd=ELSEWHERE, env=use, capture_output=True, text=True)
+        done = subprocess.run(
+            [sys.executable, "-c", code, name], cwd=ELSEWHERE, env=use, capture_output=True, text=True
+        )
         assert done.returncode == 0, done.stderr
         assert done.stderr.count("a compiled kernel could not be loaded") == 1
         run()  # what had been loaded before the damage was found
