@@ -1,7 +1,9 @@
-"""The first run ever: two processes compile kernels, this one those of the graph's first nodes, another the last ones'.
+"""Beside a run: its kernels are made ready before it comes to them, by a thread and, the first time, a second process.
 
-The other one runs every node on a small picture, from the last to the first, only to leave compiled kernels on disk,
-where this process finds them in its turn (:mod:`flowabs_nodes.simd.kernel_cache`). It is ended with the run.
+Both run the graph's nodes on a small picture and throw away what comes out. The thread goes from the first node to the
+last while the run still reads its plate: modules are imported, and kernels read from disk, in time that was waited.
+Where a kernel is not on disk, another process begins as well, from the last node to the first: it leaves what it
+compiled on disk, and both meet in the middle (:mod:`flowabs_nodes.simd.kernel_cache`). It ends with the run.
 """
 
 from __future__ import annotations
@@ -10,7 +12,8 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping
+import threading
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, cast
@@ -18,50 +21,96 @@ from typing import Any, cast
 from flowabs_nodes.simd import bands, compile_hooks
 
 HEIGHT, WIDTH = 24, 40
+PARENT = Path(__file__).parents[2]  # where this package is
+
+#: What the other process runs. This package may lie in the current folder, whose other files (a json.py) are nobody's
+#: business: so its place comes last, and if another copy comes first there is nothing to be done.
+_OTHER = """
+import sys
+sys.path.append(sys.argv[1])
+import flowabs_nodes
+if flowabs_nodes.__file__ == sys.argv[2]:
+    from flowabs_nodes.cli.precompile import main
+    main(*sys.argv[3:])
+"""
 
 
 @contextmanager
 def compiling_ahead(graph: str, values: Mapping[str, Any]) -> Iterator[None]:
-    """Inside, should a kernel have to be compiled, the other process begins. ``values``: of knobs and parameters."""
-    begun: list[subprocess.Popen[str]] = []
+    """Inside, kernels of a graph are made ready ahead of the run. ``values``: of knobs and parameters."""
+    over = threading.Event()
+    begun: list[subprocess.Popen[bytes]] = []
 
     def begin() -> None:
         with suppress(OSError):  # no processes left: then without
             begun.append(_begin(graph, values))
 
-    if bands.thread_count() > 1 and not getattr(sys, "frozen", False):  # there is a Python to start
-        compile_hooks.waiting.append(begin)
+    if bands.thread_count() > 1:
+        if not getattr(sys, "frozen", False):  # there is a Python to start
+            compile_hooks.waiting.append(begin)
+        _load_ahead(graph, values, over.is_set)
     try:
         yield
     finally:
+        over.set()
         compile_hooks.waiting.clear()
         for process in begun:
             process.kill()
             process.wait()
 
 
-def _begin(graph: str, values: Mapping[str, Any]) -> subprocess.Popen[str]:
-    path = os.pathsep.join([str(Path(__file__).parents[2]), os.environ.get("PYTHONPATH", "")])
+def _load_ahead(graph: str, values: Mapping[str, Any], over: Callable[[], bool]) -> None:
+    """Begin the thread. Its name says that a process may end without waiting for it."""
+
+    def load() -> None:
+        with suppress(Exception), bands.limited(1):  # the run itself says what is wrong
+            run_small(graph, values, own_only=True, over=over)
+
+    threading.Thread(target=load, name="flowabs-ahead", daemon=True).start()
+
+
+def _begin(graph: str, values: Mapping[str, Any]) -> subprocess.Popen[bytes]:
+    """Begin the other process. It ends when its standard input does: with us, however that happens."""
+    import flowabs_nodes
+
+    there = [path for path in os.environ.get("PYTHONPATH", "").split(os.pathsep) if os.path.isabs(path)]
     return subprocess.Popen(
-        [sys.executable, "-m", "flowabs_nodes.cli.precompile", graph, json.dumps(values)],
-        env={**os.environ, "PYTHONPATH": path},
-        stdin=subprocess.DEVNULL,
+        [sys.executable, "-P", "-c", _OTHER, PARENT, str(flowabs_nodes.__file__), graph, json.dumps(values)],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(there)},
+        stdin=subprocess.PIPE,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
-        text=True,
     )
 
 
-def compile_backwards(graph: str, values: Mapping[str, Any]) -> None:
-    """Run each node of a graph on small pictures, the last one first."""
+def run_small(
+    graph: str,
+    values: Mapping[str, Any],
+    *,
+    backwards: bool = False,
+    own_only: bool = False,
+    over: Callable[[], bool] = lambda: False,
+) -> None:
+    """Run each node of a graph on small pictures, until ``over`` says so.
+
+    With ``own_only`` nodes of other packages are left out, which may not expect a second thread, and of several nodes
+    of a type all but the first.
+    """
     from flowabs_nodes.engine.plan import file_role, make_plan, sinks
     from flowabs_nodes.engine.runnable import load_graph
     from flowabs_nodes.errors import FlowabsError
 
     loaded = load_graph(graph).with_set(values)
-    for step in reversed(make_plan(loaded, 1, sinks=sinks(loaded))):
-        if file_role(loaded, step.unit.node):
+    steps = make_plan(loaded, 1, sinks=sinks(loaded))
+    seen: set[str] = set()
+    for step in reversed(steps) if backwards else steps:
+        if over():
+            return
+        node = loaded.nodes[step.unit.node].declaration
+        foreign = not node.run.__module__.startswith("flowabs_nodes.")
+        if file_role(loaded, step.unit.node) or (own_only and (foreign or node.type in seen)):
             continue
+        seen.add(node.type)
         given = {}
         for each in step.inputs.values():
             port = loaded.nodes[each.node].declaration.all_outputs[each.output]
@@ -73,7 +122,7 @@ def compile_backwards(graph: str, values: Mapping[str, Any]) -> None:
 
 
 def _picture(kind: str) -> Any:
-    """Noise of a port type, cut out of a picture of full size: lengths in pixels stay what they are."""
+    """Return noise of a port type, cut out of a picture of full size: lengths in pixels stay what they are."""
     import numpy as np
 
     from flowabs_nodes.image import Image, PortType
@@ -86,5 +135,18 @@ def _picture(kind: str) -> Any:
     return Image(image.pixels, spec, image.type, colorspace=image.colorspace)
 
 
+def main(graph: str, values: str) -> None:
+    """Compile the kernels of a graph from the last node to the first, unless standard input ends before."""
+
+    def end_with_parent() -> None:
+        with suppress(OSError):
+            while os.read(0, 1):
+                pass
+        os._exit(1)
+
+    threading.Thread(target=end_with_parent, daemon=True).start()
+    run_small(graph, json.loads(values), backwards=True)
+
+
 if __name__ == "__main__":
-    compile_backwards(sys.argv[1], json.loads(sys.argv[2]))
+    main(*sys.argv[1:])

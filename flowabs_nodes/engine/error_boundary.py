@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from flowabs_nodes.errors import FlowabsError
+from flowabs_nodes.simd.compatible import misfit
 
 
 class InternalError(FlowabsError):
@@ -40,5 +41,7 @@ def error_boundary(node: str | None = None, frame: int | None = None) -> Iterato
         hint = "run fewer jobs at once, or at a smaller --scale"
         raise InternalError(message, code="out-of-memory", hint=hint, node=node, frame=frame) from error
     except Exception as error:  # turned into ours and raised on, cause kept
+        if (unfit := misfit(error)) is not None:
+            raise unfit.at(node=node, frame=frame) from error
         first_line = (str(error).strip().splitlines() or [""])[0][:300]
         raise InternalError(f"{type(error).__name__}: {first_line}", node=node, frame=frame) from error

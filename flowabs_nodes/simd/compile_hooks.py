@@ -9,6 +9,6 @@ waiting: list[Callable[[], None]] = []
 
 
 def tell() -> None:
-    """A kernel is about to be compiled."""
+    """Call who waits for it: a kernel is about to be compiled."""
     while waiting:
         waiting.pop()()

@@ -12,27 +12,24 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from flowabs_nodes.simd.kernel_cache import PACKAGE, KernelCache
+from flowabs_nodes.simd.kernel_cache import kept
+from flowabs_nodes.simd.kernel_version import PACKAGE
 
-_compiled = njit(nogil=True, no_cfunc_wrapper=True, error_model="numpy", fastmath={"contract"})
+_OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}, "no_cfunc_wrapper": True}
 
 #: Small functions that kernels are made of: always inlined by LLVM. Python cannot call them: making that possible would
 #: take longer than all the rest.
-inlined = njit(
-    forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, error_model="numpy", fastmath={"contract"}
-)
+inlined = njit(forceinline=True, no_cpython_wrapper=True, **_OPTIONS)
 
 #: Functions that numba itself inlines, before it compiles: for what LLVM must see in the kernel, as scratch memory.
 inline = njit(inline="always")
 
 
 def kernel(function: Callable[..., Any]) -> Any:
-    """A function of this package as a kernel: compiled when it is first called, or read from disk."""
-    dispatcher = _compiled(function)
+    """Return a function of this package as a kernel: compiled when it is first called, or read from disk."""
     # Of functions elsewhere (a test's) the cache would not see a change.
-    if dispatcher.__module__.startswith(f"{PACKAGE}."):
-        dispatcher._cache = KernelCache(dispatcher.py_func)
-    return dispatcher
+    ours = function.__module__.startswith(f"{PACKAGE}.")
+    return kept(function, nogil=True, **_OPTIONS) if ours else njit(nogil=True, **_OPTIONS)(function)
 
 
 def _keep_freed_memory() -> None:

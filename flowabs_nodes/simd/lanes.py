@@ -19,10 +19,7 @@ from typing import Any
 
 from llvmlite import ir  # type: ignore[import-untyped]
 from numba import types
-from numba.core import cgutils
-from numba.core.imputils import lower_builtin, lower_cast
-from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.extending import intrinsic, models, register_model
+from numba.extending import intrinsic, lower_builtin, lower_cast, models, register_model, type_callable
 
 #: How many numbers a vector holds.
 LANES = 16
@@ -102,22 +99,26 @@ def _operator(function: Any, result: Callable[[Any], Any], **generators: Any) ->
     if "floats" in generators:
         generators["doubles"] = generators["floats"]
 
-    class Template(AbstractTemplate):  # type: ignore[misc]
-        def generic(self, args: Any, kws: Any) -> Any:
-            kinds = [arg for arg in args if isinstance(arg, Vector)]
-            if not kinds or str(kinds[0]) not in generators:
-                return None
-            if any(not (arg is kinds[0] or isinstance(arg, types.Number)) for arg in args):
-                return None
-            return signature(result(kinds[0]), *[kinds[0]] * len(args))
-
-    infer_global(function)(Template)
+    def typed(*args: Any) -> Any:
+        kinds = [arg for arg in args if isinstance(arg, Vector)]
+        if not kinds or str(kinds[0]) not in generators:
+            return None
+        if any(not (arg is kinds[0] or isinstance(arg, types.Number)) for arg in args):
+            return None
+        return result(kinds[0])(*args)
 
     def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return generators[str(sig.args[0])](builder, *args)
+        kind = next(arg for arg in sig.args if isinstance(arg, Vector))
+        vectors = [context.cast(builder, value, given, kind) for value, given in zip(args, sig.args, strict=True)]
+        return generators[str(kind)](builder, *vectors)
 
-    lower_builtin(function, Vector)(lower)
-    lower_builtin(function, Vector, Vector)(lower)
+    if function is operator.neg:
+        type_callable(function)(lambda context: lambda x: typed(x))
+        lower_builtin(function, Vector)(lower)
+    else:
+        type_callable(function)(lambda context: lambda x, y: typed(x, y))
+        for kinds in ((Vector, Vector), (Vector, types.Number), (types.Number, Vector)):
+            lower_builtin(function, *kinds)(lower)
 
 
 def _same_kind(kind: Any) -> Any:
@@ -172,7 +173,7 @@ def operation(kinds: Sequence[Any], result: Any, generate: Callable[..., Any]) -
     def declare(*args: Any) -> Any:
         if any(not (arg is kind or isinstance(arg, types.Number)) for arg, kind in zip(args, kinds, strict=True)):
             return None
-        return signature(result, *kinds), lambda context, builder, sig, values: generate(builder, *values)
+        return result(*kinds), lambda context, builder, sig, values: generate(builder, *values)
 
     if len(kinds) == 0:
         return intrinsic(lambda typingctx: declare())
@@ -185,10 +186,14 @@ def llvm_function(name: str, result: Any, *kinds: Any) -> Callable[..., Any]:
     """Return a generator (of :func:`operation`) of a call to LLVM's function ``name``, of the given LLVM types."""
 
     def generate(builder: Any, *values: Any) -> Any:
-        function = cgutils.get_or_insert_function(builder.module, ir.FunctionType(result, kinds), name)
-        return builder.call(function, values)
+        return builder.call(declared(builder.module, name, ir.FunctionType(result, kinds)), values)
 
     return generate
+
+
+def declared(module: Any, name: str, kind: Any) -> Any:
+    """Return the function of that name, declared in ``module`` first if it is not yet."""
+    return module.globals.get(name) or ir.Function(module, kind, name)
 
 
 #: Convert ints to floats, to the nearest.

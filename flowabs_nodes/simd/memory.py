@@ -19,10 +19,9 @@ from typing import Any
 
 from llvmlite import ir  # type: ignore[import-untyped]
 from numba import types
-from numba.core import cgutils
 from numba.extending import intrinsic, models, register_model
 
-from flowabs_nodes.simd.lanes import LANES, LOW, concatenated, doubles, floats, ints, shuffled
+from flowabs_nodes.simd.lanes import LANES, LOW, concatenated, declared, doubles, floats, ints, shuffled
 
 _I32, _I64, _F32, _F64 = ir.IntType(32), ir.IntType(64), ir.FloatType(), ir.DoubleType()
 
@@ -102,8 +101,11 @@ def scratch(typingctx: Any, dtype: Any, count: Any) -> Any:
 
     def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
         pointer = context.get_value_type(sig.return_type)
-        memory = cgutils.alloca_once(builder, ir.ArrayType(pointer.pointee, LANES * count.literal_value))
-        memory.align = 64
+        array = ir.ArrayType(pointer.pointee, LANES * count.literal_value)
+        with builder.goto_entry_block():  # once, also where it is asked for in a loop
+            memory = builder.alloca(array)
+            memory.align = 64
+            builder.store(array(None), memory)  # as numba does with all of its variables
         return builder.bitcast(memory, pointer)
 
     return Scratch(dtype.dtype)(dtype, count), generate
@@ -117,7 +119,7 @@ def _prefetcher(to_write: bool) -> Any:
             byte = ir.IntType(8).as_pointer()
             place = _address(context, builder, sig.args[0], values[0], values[1], ir.IntType(8))
             prefetch = ir.FunctionType(ir.VoidType(), [byte, _I32, _I32, _I32])
-            function = cgutils.get_or_insert_function(builder.module, prefetch, "llvm.prefetch.p0i8")
+            function = declared(builder.module, "llvm.prefetch.p0i8", prefetch)
             builder.call(function, [place, _I32(int(to_write)), _I32(3), _I32(1)])
             return context.get_dummy_value()
 
@@ -256,7 +258,7 @@ def _interleaved(size: int) -> tuple[Any, Any]:
         """Write sixteen records from array[i] on. ``vectors`` holds their first floats, their second ..."""
 
         def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
-            parts = cgutils.unpack_tuple(builder, values[2])
+            parts = [builder.extract_value(values[2], part) for part in range(size)]
             parts += [parts[-1]] * (size % 2)
             while len(parts) > 1:
                 parts = [concatenated(builder, x, y) for x, y in zip(parts[::2], parts[1::2], strict=True)]

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import os
 
-from llvmlite import binding  # type: ignore[import-untyped]
-
 from flowabs_nodes.errors import CommandError, nearest
+from flowabs_nodes.simd.compatible import misfit
+
+try:
+    from llvmlite import binding  # type: ignore[import-untyped]
+except ImportError as error:  # the command line looks at the path before any node runs
+    raise misfit(error) or error from error
 
 ASKED = ("", "auto", "avx512", "portable")  # what FLOWABS_SIMD may be
 

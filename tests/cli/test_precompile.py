@@ -2,8 +2,11 @@
 
 import json
 import os
+import signal
 import subprocess
 import sys
+import threading
+import time
 from pathlib import Path
 
 import numpy as np
@@ -59,7 +62,12 @@ def begun(monkeypatch):
         process.wait()
 
 
-def test_it_begins_when_a_kernel_is_missing_and_ends_with_the_run(begun):
+@pytest.fixture
+def no_thread(monkeypatch):
+    monkeypatch.setattr(precompile, "_load_ahead", lambda *arguments: None)
+
+
+def test_it_begins_when_a_kernel_is_missing_and_ends_with_the_run(begun, no_thread):
     with bands.limited(2), precompile.compiling_ahead("lines", {}):
         assert begun == []
         compile_hooks.tell()
@@ -69,7 +77,7 @@ def test_it_begins_when_a_kernel_is_missing_and_ends_with_the_run(begun):
     assert begun[0].poll() is not None
 
 
-def test_it_ends_with_a_run_that_fails(begun):
+def test_it_ends_with_a_run_that_fails(begun, no_thread):
     def run():
         with bands.limited(2), precompile.compiling_ahead("lines", {}):
             compile_hooks.tell()
@@ -80,20 +88,20 @@ def test_it_ends_with_a_run_that_fails(begun):
     assert begun[0].poll() is not None
 
 
-def test_where_all_kernels_are_there_nothing_begins(begun):
+def test_where_all_kernels_are_there_nothing_begins(begun, no_thread):
     with bands.limited(2), precompile.compiling_ahead("lines", {}):
         pass
     compile_hooks.tell()
     assert begun == []
 
 
-def test_on_one_processor_nothing_begins(begun):
+def test_on_one_processor_nothing_begins(begun, no_thread):
     with bands.limited(1), precompile.compiling_ahead("lines", {}):
         compile_hooks.tell()
     assert begun == []
 
 
-def test_without_another_process_the_run_goes_on(monkeypatch):
+def test_without_another_process_the_run_goes_on(monkeypatch, no_thread):
     asked = []
 
     def begin(graph, values):
@@ -114,7 +122,8 @@ def test_what_it_leaves_on_disk_is_what_the_run_needs(graph, tmp_path):
     run = ["run", graph, "-i", plate, "-o", tmp_path / "out.exr", "--set", "size=2"]
 
     command = [sys.executable, "-m", "flowabs_nodes.cli.precompile", graph, '{"size": 2}']
-    subprocess.run(command, cwd=ROOT, env=use, check=True)
+    with subprocess.Popen(command, cwd=ROOT, env=use, stdin=subprocess.PIPE) as ahead:
+        assert ahead.wait(300) == 0
     done = subprocess.run(
         [sys.executable, "-c", COUNTED, *run], cwd=ROOT, env=use, capture_output=True, text=True, check=True
     )
@@ -124,5 +133,74 @@ def test_what_it_leaves_on_disk_is_what_the_run_needs(graph, tmp_path):
 
 
 def test_a_graph_that_is_wrong_is_the_run_s_business(tmp_path):
-    done = precompile._begin(str(tmp_path / "none.json"), {})
-    assert done.wait(60) != 0
+    with precompile._begin(str(tmp_path / "none.json"), {}) as done:
+        assert done.wait(60) != 0
+
+
+def test_the_other_process_imports_nothing_from_the_current_folder(graph, tmp_path, monkeypatch):
+    for name in ("json", "numpy", "flowabs_nodes"):
+        (tmp_path / f"{name}.py").write_text(f"open({str(tmp_path / 'imported')!r}, 'w').close()")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "kernels"))
+    for here in ("", "."):  # both mean the current folder
+        monkeypatch.setenv("PYTHONPATH", os.pathsep.join([here, str(ROOT)]))
+        with precompile._begin(graph, {}) as ahead:
+            assert ahead.wait(300) == 0
+        assert not (tmp_path / "imported").exists()
+    assert list((tmp_path / "kernels").rglob("*.kernel"))
+
+
+@pytest.mark.skipif(os.name == "nt", reason="SIGKILL")
+def test_the_other_process_ends_when_this_one_is_killed(graph, tmp_path):
+    code = f"""
+import time
+from flowabs_nodes.cli import precompile
+print(precompile._begin({graph!r}, {{}}).pid, flush=True)
+time.sleep(600)
+"""
+    use = {**os.environ, "PYTHONPATH": str(ROOT), "NUMBA_CACHE_DIR": str(tmp_path / "kernels")}
+    with subprocess.Popen([sys.executable, "-c", code], env=use, stdout=subprocess.PIPE, text=True) as parent:
+        other = int(parent.stdout.readline())
+        os.kill(other, 0)
+        time.sleep(0.5)  # in the middle of importing or compiling, which takes many seconds
+        parent.send_signal(signal.SIGKILL)
+    end = time.monotonic() + 5
+    while time.monotonic() < end and _lives(other):
+        time.sleep(0.05)
+    assert not _lives(other)
+
+
+def _lives(pid):
+    try:
+        os.kill(pid, 0)
+        # Nobody may have waited for it: then it has ended, and its number is still taken.
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def test_the_thread_leaves_nodes_of_other_packages_alone_and_ends_with_the_run(graph, monkeypatch):
+    from flowabs_nodes.engine.runnable import RunnableGraph
+
+    ran = []
+    monkeypatch.setattr(RunnableGraph, "run", lambda self, given, outputs: ran.append(outputs) or {})
+    precompile.run_small(graph, {}, own_only=True)
+    assert ran == [["soft.image"], ["lines.lines"]]
+    ran.clear()
+    precompile.run_small(graph, {}, backwards=True)
+    assert ran == [["lines.lines"], ["soft.image"]]
+    ran.clear()
+    precompile.run_small(graph, {}, own_only=True, over=lambda: bool(ran))
+    assert ran == [["soft.image"]]
+    ran.clear()
+    monkeypatch.setattr("flowabs_nodes.nodes.lines.run_dog.__module__", "another_package")
+    precompile.run_small(graph, {}, own_only=True)
+    assert ran == [["soft.image"]]
+
+
+def test_the_thread_keeps_quiet_about_a_graph_that_is_wrong(tmp_path, capfd):
+    with bands.limited(2), precompile.compiling_ahead(str(tmp_path / "none.json"), {}):
+        for thread in threading.enumerate():
+            if thread.name == "flowabs-ahead":
+                thread.join(60)
+    assert capfd.readouterr() == ("", "")

@@ -1,7 +1,10 @@
 import logging
 import os
+import pickle
+import shutil
 import subprocess
 import sys
+import threading
 import zipfile
 from pathlib import Path
 
@@ -11,9 +14,11 @@ import pytest
 from numba.core import event
 
 import flowabs_nodes
-from flowabs_nodes.simd import kernel_cache
+from flowabs_nodes.simd import cache_folder, compile_turn, kernel_version
+from flowabs_nodes.simd.cache_folder import Place
 from flowabs_nodes.simd.jit import kernel
-from flowabs_nodes.simd.kernel_cache import KernelCache
+from flowabs_nodes.simd.kernel_cache import OneFileEach, _checksum
+from flowabs_nodes.simd.target import PATH
 
 PACKAGE = Path(flowabs_nodes.__file__).parent
 ELSEWHERE = Path(__file__).parent  # a current folder from which no flowabs_nodes is to be seen
@@ -23,12 +28,12 @@ import numpy as np
 from numba.core import event
 with event.install_recorder("numba:compile") as recorder:
     from flowabs_nodes import filters
-    from flowabs_nodes.simd import kernel_cache
+    from flowabs_nodes.simd import kernel_version
     filters.flow_color(np.ones((3, 3, 2), np.float32))
     filters.blur(np.ones((3, 3), np.float32))
 compiled = len(recorder.buffer) // 2
 assert compiled or not {"numba.np.arrayobj", "numba.np.linalg"} & set(sys.modules)  # nor SciPy with them
-print(kernel_cache.VERSION, compiled)
+print(kernel_version.VERSION, compiled)
 """
 
 
@@ -46,7 +51,7 @@ def outer(values):
 def fresh(function=double):
     """What ``kernel`` makes of a function of the package, in a process that has never called it."""
     dispatcher = numba.njit(function)
-    dispatcher._cache = KernelCache(function)
+    dispatcher._cache = OneFileEach(function)
     return dispatcher
 
 
@@ -59,9 +64,10 @@ def compiled(dispatcher, *arguments):
 
 @pytest.fixture
 def folders(tmp_path, monkeypatch):
-    places = [tmp_path / "package" / "kernels-new", tmp_path / "user" / "kernels-new"]
-    monkeypatch.setattr(kernel_cache, "folders", lambda: places)
-    return places
+    places = [Place(named, named / "kernels-new") for named in (tmp_path / "package", tmp_path / "user")]
+    monkeypatch.setattr(cache_folder, "places", lambda: places)
+    cache_folder.warn.cache_clear()
+    return [place.folder for place in places]
 
 
 @pytest.fixture
@@ -72,6 +78,10 @@ def spoiled(folders):
         folder.parent.write_text("not a folder")
 
     return spoil
+
+
+def kernels(folder):
+    return sorted(folder.glob("*.kernel"))
 
 
 def color(**environment):
@@ -93,7 +103,7 @@ def test_a_kernel_is_compiled_once(folders):
 def test_each_signature_is_a_kernel_of_its_own(folders):
     assert compiled(fresh(), 1.5) == 1
     assert compiled(fresh(), 1) == 1
-    assert len(list(folders[0].iterdir())) == 2
+    assert len(kernels(folders[0])) == 2
     assert fresh()(1.5) == 3.0
     assert fresh()(1) == 2
 
@@ -117,21 +127,59 @@ def test_arrays_and_what_is_called_come_back(folders):
     np.testing.assert_array_equal(again(values), [3, 3, 3, 3])
 
 
-def test_a_damaged_file_is_compiled_again(folders):
+def other_kernel(whole):
+    """A whole file, of another kernel."""
+    data = pickle.dumps(("another signature", []))
+    return _checksum(data) + data
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        pytest.param(lambda whole: b"", id="empty"),
+        pytest.param(lambda whole: bytes(4), id="four zero bytes"),
+        pytest.param(lambda whole: whole[:100], id="cut short"),
+        pytest.param(lambda whole: whole[:200] + b"?" + whole[201:], id="one byte"),
+        pytest.param(lambda whole: _checksum(b"nonsense") + b"nonsense", id="no pickle"),
+        pytest.param(other_kernel, id="another kernel"),
+    ],
+)
+def test_a_damaged_file_moves_all_away_and_everything_is_compiled_again(folders, caplog, damage):
     fresh()(1.5)
-    (file,) = folders[0].iterdir()
-    whole = file.read_bytes()
-    for content in (b"", whole[:100], whole[:200] + b"?" + whole[201:]):
-        file.write_bytes(content)
+    (file,) = kernels(folders[0])
+    fresh()(1)
+    file.write_bytes(damage(file.read_bytes()))
+    with caplog.at_level(logging.WARNING, "flowabs"):
         assert compiled(fresh(), 1.5) == 1
-        assert compiled(fresh(), 1.5) == 0
+    (record,) = caplog.records
+    assert record.message.startswith("a compiled kernel could not be loaded")
+    (aside,) = folders[0].parent.glob("kernels-new-damaged-*")
+    assert str(aside) in record.message
+    assert len(kernels(aside)) == 2
+    assert compiled(fresh(), 1.5) == 0
+    assert compiled(fresh(), 1) == 1
+
+
+def test_a_damaged_folder_that_cannot_be_moved_is_left_alone(folders, monkeypatch, caplog):
+    fresh()(1.5)
+    kernels(folders[0])[0].write_bytes(bytes(4))
+    monkeypatch.setattr(cache_folder, "_left_alone", set())
+
+    def refuse(self, to):
+        raise PermissionError("read-only")
+
+    monkeypatch.setattr(Path, "rename", refuse)
+    assert compiled(fresh(), 1.5) == 1
+    assert [record.message.partition(" (")[0] for record in caplog.records] == ["a compiled kernel could not be loaded"]
+    assert compiled(fresh(), 1.5) == 0
+    assert len(kernels(folders[1])) == 1
 
 
 def test_where_the_package_is_read_only_the_user_s_folder_serves(folders, spoiled):
     spoiled(folders[0])
     assert compiled(fresh(), 1.5) == 1
     assert compiled(fresh(), 1.5) == 0
-    assert len(list(folders[1].iterdir())) == 1
+    assert len(kernels(folders[1])) == 1
 
 
 def test_a_package_that_became_read_only_brings_its_kernels(folders):
@@ -141,7 +189,6 @@ def test_a_package_that_became_read_only_brings_its_kernels(folders):
 
 
 def test_where_nothing_can_be_written_kernels_work_and_the_log_says_so_once(folders, spoiled, caplog):
-    kernel_cache._warn.cache_clear()
     for folder in folders:
         spoiled(folder)
     with caplog.at_level(logging.WARNING, "flowabs"):
@@ -174,40 +221,46 @@ def test_the_user_s_folder(monkeypatch, tmp_path):
     monkeypatch.setenv("HOME", str(tmp_path))
     monkeypatch.setattr(sys, "platform", "linux")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    assert kernel_cache.user_folder() == tmp_path / "cache"
+    assert cache_folder.user_folder() == tmp_path / "cache"
     monkeypatch.setenv("XDG_CACHE_HOME", "relative")
-    assert kernel_cache.user_folder() == tmp_path / ".cache"
+    assert cache_folder.user_folder() == tmp_path / ".cache"
     monkeypatch.setattr(sys, "platform", "darwin")
-    assert kernel_cache.user_folder() == tmp_path / "Library" / "Caches"
+    assert cache_folder.user_folder() == tmp_path / "Library" / "Caches"
 
 
 def test_beside_the_package_and_then_the_user_s_or_where_numba_is_told(monkeypatch, tmp_path):
-    name = f"kernels-{kernel_cache.VERSION}"
-    monkeypatch.setattr(kernel_cache.config, "CACHE_DIR", "")
-    monkeypatch.setattr(kernel_cache, "user_folder", lambda: tmp_path)
-    assert kernel_cache.folders() == [PACKAGE / "__pycache__" / name, tmp_path / "flowabs" / name]
-    monkeypatch.setattr(kernel_cache, "user_folder", lambda: Path("~"))
-    assert kernel_cache.folders() == [PACKAGE / "__pycache__" / name]
-    monkeypatch.setattr(kernel_cache.config, "CACHE_DIR", str(tmp_path / "told"))
-    assert kernel_cache.folders() == [tmp_path / "told" / "flowabs" / name]
+    def found():
+        return [place.folder for place in cache_folder.places()]
+
+    name = f"kernels-{kernel_version.VERSION}"
+    monkeypatch.setattr(cache_folder.config, "CACHE_DIR", "")
+    monkeypatch.setattr(cache_folder, "user_folder", lambda: tmp_path)
+    assert found() == [PACKAGE / "__pycache__" / name, tmp_path / "flowabs" / name]
+    monkeypatch.setattr(cache_folder, "user_folder", lambda: Path("~"))
+    assert found() == [PACKAGE / "__pycache__" / name]
+    monkeypatch.setattr(cache_folder.config, "CACHE_DIR", str(tmp_path / "told"))
+    assert found() == [tmp_path / "told" / "flowabs" / name]
 
 
-def test_processes_share_kernels_and_may_write_at_once(tmp_path):
+def test_several_first_runs_at_once_compile_each_kernel_once(tmp_path):
     use = {**os.environ, "PYTHONPATH": str(PACKAGE.parent), "NUMBA_CACHE_DIR": str(tmp_path)}
     command = [sys.executable, "-c", COLOR]
-    several = [subprocess.Popen(command, cwd=ELSEWHERE, env=use, stdout=subprocess.PIPE, text=True) for _ in range(3)]
-    for process in several:
-        process.communicate()
-        assert process.returncode == 0
+    several = [subprocess.Popen(command, cwd=ELSEWHERE, env=use, stdout=subprocess.PIPE, text=True) for _ in range(4)]
+    ends = [(process.communicate()[0], process.returncode) for process in several]
+    assert [code for _, code in ends] == [0, 0, 0, 0]
+    (folder,) = (tmp_path / "flowabs").iterdir()
+    # A kernel is compiled with the functions that it is made of: those count as often as it is compiled.
+    alone = color(NUMBA_CACHE_DIR=str(tmp_path / "alone"))[1]
+    assert sum(int(said.split()[1]) for said, _ in ends) == alone
     assert color(NUMBA_CACHE_DIR=str(tmp_path))[1] == 0
-    assert not list(tmp_path.rglob("*.tmp"))
+    assert not list(folder.glob("*.tmp"))
 
 
 def test_the_portable_path_has_kernels_of_its_own(tmp_path):
     first, _ = color(NUMBA_CACHE_DIR=str(tmp_path), FLOWABS_SIMD="portable")
     again, count = color(NUMBA_CACHE_DIR=str(tmp_path), FLOWABS_SIMD="portable")
     assert (first, count) == (again, 0)
-    if kernel_cache.PATH != "portable":
+    if PATH != "portable":
         assert color(NUMBA_CACHE_DIR=str(tmp_path))[0] != first
 
 
@@ -223,3 +276,201 @@ def test_a_change_of_any_source_makes_another_version(tmp_path):
         versions.append(color(**use)[0])
         assert color(**use) == (versions[-1], 0)
     assert versions[0] != versions[1]
+
+
+def test_a_line_changed_in_a_kernel_s_file_or_in_one_it_is_made_of_is_compiled_anew(tmp_path):
+    package = tmp_path / "flowabs_nodes"
+    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    part, whole = package / "color" / "added_part.py", package / "filters" / "added_kernel.py"
+    head = "from flowabs_nodes.simd.jit import inlined, kernel\n"
+    part.write_text(head + "@inlined\ndef twice(x):\n    return 2 * x\n")
+    head += "from flowabs_nodes.color.added_part import twice\n"
+    whole.write_text(head + "@kernel\ndef calculate(x):\n    return twice(x) + 1\n")
+    code = """
+from numba.core import event
+from flowabs_nodes.filters.added_kernel import calculate
+with event.install_recorder("numba:compile") as recorder:
+    result = calculate(10)
+print(len(recorder.buffer) > 0, result)
+"""
+    use = {**os.environ, "PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "kernels")}
+
+    def run():
+        command = [sys.executable, "-c", code]
+        return subprocess.run(command, cwd=ELSEWHERE, env=use, capture_output=True, text=True, check=True).stdout
+
+    def change(file, old, new):
+        file.write_text(file.read_text().replace(old, new))
+
+    assert [run(), run()] == ["True 21\n", "False 21\n"]
+    change(part, "2 * x", "3 * x")
+    assert [run(), run()] == ["True 31\n", "False 31\n"]
+    change(whole, "+ 1", "+ 5")
+    assert [run(), run()] == ["True 35\n", "False 35\n"]
+    change(part, "3 * x", "2 * x")
+    change(whole, "+ 5", "+ 1")
+    assert run() == "False 21\n"  # kernels of a few former versions stay
+
+
+def test_version_knows_which_file_holds_what(tmp_path):
+    def version(**contents):
+        folder = tmp_path / str(len(list(tmp_path.iterdir())))
+        for name, text in contents.items():
+            file = folder / f"{name}.py"
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(text)
+        return list(kernel_version.sources(folder))
+
+    assert version(**{"a/x": "1", "b/x": "2"}) == [("a/x.py", b"1"), ("b/x.py", b"2")]
+    assert version(**{"a/x": "1", "b/x": "2"}) != version(**{"a/x": "2", "b/x": "1"})
+
+
+def give_to(uid, *paths):
+    try:
+        for path in paths:
+            os.chown(path, uid, -1)
+    except PermissionError:
+        pytest.skip("only root may give a folder away")
+
+
+POSIX = pytest.mark.skipif(os.name == "nt", reason="no owners to be looked at")
+
+
+@POSIX
+@pytest.mark.parametrize("which", ["named", "kernels"])
+def test_a_folder_of_another_user_is_not_read_and_not_written(folders, caplog, which):
+    fresh()(1.5)
+    give_to(4711, folders[0] if which == "kernels" else folders[0].parent)
+    shutil.rmtree(folders[1].parent, ignore_errors=True)
+    folders[1].parent.write_text("not a folder")
+    before = sorted(folders[0].iterdir())
+    assert compiled(fresh(), 1.5) == 1
+    assert compiled(fresh(), 1) == 1
+    assert sorted(folders[0].iterdir()) == before
+    (record,) = caplog.records
+    assert "belongs to another user" in record.message
+
+
+@POSIX
+@pytest.mark.parametrize("mode", [0o775, 0o757, 0o1777])
+def test_a_folder_that_others_can_write_to_does_not_count(folders, mode):
+    fresh()(1.5)
+    folders[0].chmod(mode)
+    assert compiled(fresh(), 1.5) == 1
+    assert len(kernels(folders[1])) == 1
+
+
+@POSIX
+def test_nor_one_in_a_folder_where_anybody_could_replace_it(folders, tmp_path):
+    fresh()(1.5)
+    tmp_path.chmod(0o777)
+    assert cache_folder.readable() == []
+    tmp_path.chmod(0o1777)  # as /tmp: to all, but each only to their own
+    assert cache_folder.readable() == [folders[0]]
+
+
+@POSIX
+def test_a_file_of_another_user_is_not_read(folders):
+    fresh()(1.5)
+    give_to(4711, *kernels(folders[0]))
+    assert compiled(fresh(), 1.5) == 1
+
+
+@POSIX
+def test_what_is_made_belongs_to_the_user_alone_whatever_the_process_allows(folders):
+    before = os.umask(0)
+    try:
+        fresh()(1.5)
+    finally:
+        os.umask(before)
+    assert not any(path.stat().st_mode & 0o022 for path in (folders[0].parent, folders[0], *folders[0].iterdir()))
+
+
+def test_the_turn_goes_with_the_process_that_holds_it(tmp_path):
+    file = tmp_path / "a.turn"
+    code = f"""
+import sys, time
+from pathlib import Path
+from flowabs_nodes.simd import compile_turn
+compile_turn.take(Path({str(file)!r}))
+print("mine", flush=True)
+time.sleep(600)
+"""
+    use = {**os.environ, "PYTHONPATH": str(PACKAGE.parent)}
+    holder = subprocess.Popen([sys.executable, "-c", code], env=use, stdout=subprocess.PIPE, text=True)
+    assert holder.stdout.readline() == "mine\n"
+    killer = threading.Timer(0.3, holder.kill)
+    killer.start()
+    assert compile_turn.take(file)
+    assert holder.wait(60) != 0
+    holder.stdout.close()
+    compile_turn.give(file)
+    assert not compile_turn.take(file)
+    compile_turn.give(file)
+
+
+def test_nobody_waits_for_ever(tmp_path, monkeypatch):
+    monkeypatch.setattr(compile_turn, "PATIENCE", 0.05)
+    monkeypatch.setattr(compile_turn, "_lock", lambda fd: False)
+    assert compile_turn.take(tmp_path / "a.turn")
+    compile_turn.give(tmp_path / "a.turn")
+
+
+NAMES_TAKEN = """
+import sys
+import numba.core.caching as caching, numba.core.compiler as compiler, numba.core.runtime as runtime
+name = sys.argv[1]
+whole, own = compiler.CompileResult, caching.CompileResultCacheImpl
+if name == "_Cache":
+    del caching._Cache
+elif name == "initialize":
+    runtime.rtsys = object()
+elif name == "_rebuild":  # under another name from now on, which numba itself knows
+    rebuild = whole._rebuild
+    del whole._rebuild
+    own.rebuild = lambda self, context, payload: rebuild(context, *payload)
+elif name == "_reduce":
+    reduce = whole._reduce
+    del whole._reduce
+    own.reduce = lambda self, compiled: reduce(compiled)
+elif name == "both, and numba itself does not know":
+    del whole._reduce, whole._rebuild
+"""
+
+
+@pytest.mark.parametrize("name", ["_Cache", "_rebuild", "_reduce", "initialize"])
+def test_where_numba_has_changed_inside_its_own_cache_serves(tmp_path, name):
+    use = {**os.environ, "PYTHONPATH": str(PACKAGE.parent), "NUMBA_CACHE_DIR": str(tmp_path)}
+    code = NAMES_TAKEN + COLOR.replace("assert compiled or not", "True or not")
+
+    def run():
+        done = subprocess.run(
+            [sys.executable, "-c", code, name], cwd=ELSEWHERE, env=use, capture_output=True, text=True
+        )
+        assert done.returncode == 0, done.stderr
+        assert done.stderr == ""
+        return int(done.stdout.split()[1])
+
+    assert run() > 0
+    assert run() == 0
+    assert bool(list(tmp_path.rglob("*.nbi"))) == (name != "_Cache")
+    if name == "_rebuild":
+        next(tmp_path.rglob("*.nbi")).write_bytes(bytes(4))
+        done = subprocess.run(
+            [sys.executable, "-c", code, name], cwd=ELSEWHERE, env=use, capture_output=True, text=True
+        )
+        assert done.returncode == 0, done.stderr
+        assert done.stderr.count("a compiled kernel could not be loaded") == 1
+        run()  # what had been loaded before the damage was found
+        assert run() == 0
+
+
+def test_where_even_numba_s_own_cache_fails_kernels_still_run(tmp_path):
+    use = {**os.environ, "PYTHONPATH": str(PACKAGE.parent), "NUMBA_CACHE_DIR": str(tmp_path)}
+    code = NAMES_TAKEN + COLOR.replace("assert compiled or not", "True or not")
+    command = [sys.executable, "-c", code, "both, and numba itself does not know"]
+    for _ in range(2):
+        done = subprocess.run(command, cwd=ELSEWHERE, env=use, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        assert done.stderr.count("\n") == 1
+        assert "compiled kernels cannot be kept" in done.stderr

@@ -1,0 +1,44 @@
+"""Which numba the vector layer is made for, and what to say where another one does not fit.
+
+This module imports no numba.
+"""
+
+from __future__ import annotations
+
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from flowabs_nodes.errors import FlowabsError
+
+NUMBA = ">=0.60,<0.69"  #: As pyproject.toml has it: the oldest and the newest that pass the tests.
+
+#: Whose functions run while kernels are compiled, and never later.
+_BUILDERS = {"lanes.py", "memory.py", "avx512.py"}
+
+
+class NumbaError(FlowabsError):
+    """The installed numba is not one that kernels can be built with."""
+
+    code = "numba-misfit"
+
+
+def misfit(error: BaseException) -> NumbaError | None:
+    """Return what to raise in place of an error if it came up while this package was building its vector layer."""
+    if not isinstance(error, ImportError | AttributeError | TypeError):
+        return None
+    place = error.__traceback__
+    while place is not None:
+        code = place.tb_frame.f_code
+        file = Path(code.co_filename)
+        if file.parent == Path(__file__).parent and (code.co_name == "<module>" or file.name in _BUILDERS):
+            there = " and ".join(f"{name} {_version(name)}" for name in ("numba", "llvmlite"))
+            return NumbaError(f"kernels cannot be built with {there} ({error})", hint=f"works with numba{NUMBA}")
+        place = place.tb_next
+    return None
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "missing"

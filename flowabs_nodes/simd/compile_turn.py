@@ -1,0 +1,65 @@
+"""Taking turns: of several processes that need the same kernel, one compiles it and the others wait for its file.
+
+The turn is a lock of the operating system on an empty file, which goes with the process that holds it, however that
+ends. Where there are no such locks, or somebody holds one for too long, everybody compiles: slower, and as right.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+import time
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+PATIENCE = 120.0  # seconds; the longest kernel takes two
+_STEP = 0.01  # seconds between two looks at a lock
+
+_system: Any = importlib.import_module("msvcrt" if sys.platform == "win32" else "fcntl")
+_held: dict[Path, int] = {}  # file descriptors of this process's turns
+
+
+def take(file: Path) -> bool:
+    """Wait for the turn that ``file`` stands for; return whether somebody else had it meanwhile."""
+    give(file)  # of a compilation that failed
+    try:
+        fd = os.open(file, os.O_RDWR | os.O_CREAT, 0o644)
+    except OSError:
+        return False
+    end = time.monotonic() + PATIENCE
+    waited = False
+    try:
+        while not _lock(fd) and time.monotonic() < end:
+            waited = True
+            time.sleep(_STEP)
+    except OSError:  # a file system without locks
+        os.close(fd)
+    except BaseException:
+        os.close(fd)
+        raise
+    else:
+        _held[file] = fd
+    return waited
+
+
+def give(file: Path) -> None:
+    """Let the next one have the turn, if this process has it."""
+    fd = _held.pop(file, None)
+    if fd is not None:
+        os.close(fd)
+
+
+def _lock(fd: int) -> bool:
+    """Lock a file, or return False where somebody else has; raises OSError where files cannot be locked."""
+    if sys.platform == "win32":
+        with suppress(PermissionError):
+            _system.locking(fd, _system.LK_NBLCK, 1)
+            return True
+        return False
+    try:
+        _system.flock(fd, _system.LOCK_EX | _system.LOCK_NB)
+    except BlockingIOError:
+        return False
+    return True
