@@ -30,7 +30,7 @@ from functools import cached_property
 from typing import Any
 
 from flowabs_nodes.errors import ArgumentError
-from flowabs_nodes.image import PORT_TYPES, Image
+from flowabs_nodes.image import PORT_TYPES, Image, Window
 from flowabs_nodes.nodes.param import Param
 
 __all__ = ["MASK", "MIX", "WIDENS_TO", "Context", "Node", "Param", "Port"]
@@ -108,6 +108,12 @@ class Node:
     the graph makes up (``write``'s layers). ``upgrades`` maps an older version to a function from that version's
     parameters to the next one's.
 
+    ``frames`` returns, for each input that the node reads on other frames too, their offsets from its own frame, such
+    as ``{"image": (-2, -1, 0, 1, 2)}``. ``run`` gets such an input as a dict from offset to Image, in which frames
+    beyond the ends of the sequence are missing and the node's own frame, 0, always is. ``region`` returns, for a window
+    of the outputs, the window of each input that it is made from; an input that is left out is needed whole, and all
+    are where a node has no ``region``.
+
     Raises ArgumentError where ``type`` is no identifier, or an input and a parameter share a name.
     """
 
@@ -120,6 +126,8 @@ class Node:
     run: Callable[..., Image | dict[str, Image]]
     doc: str = ""
     extra_inputs: Port | None = None
+    frames: Callable[[Mapping[str, Any]], Mapping[str, tuple[int, ...]]] | None = field(default=None, hash=False)
+    region: Callable[[Mapping[str, Any], Window], Mapping[str, Window]] | None = field(default=None, hash=False)
     upgrades: Mapping[int, Callable[[dict[str, Any]], dict[str, Any]]] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
