@@ -16,7 +16,7 @@ FLOORS = (
     ("simd",),
     ("sampling",),
     ("color", "filters"),
-    ("image", "image_convert", "port_types"),
+    ("image", "image_convert", "image_parts", "port_types"),
     ("io",),
     ("finishing",),
     ("nodes",),

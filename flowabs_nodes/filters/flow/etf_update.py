@@ -162,7 +162,7 @@ def _store_terms(tx: Any, ty: Any, g: Any, trace: bool, fixed: FixedPoint, terms
 
     ``trace``: whether to write |t|^2 and ĝ|t|^2 too. They are the same in every iteration.
     """
-    c, s = (tx * tx - ty * ty) * fixed.one, 2.0 * tx * ty * fixed.one  # eq. 4: with eq. 5, phi w_d t(y) = N(y) t(x)
+    c, s = (tx * tx - ty * ty) * fixed.one, 2.0 * tx * ty * fixed.one  # eq. 4 # eq. 5: φ w_d t(y) = N(y) t(x)
     store(terms, i, _rounded(c))
     store(terms, i + columns, _rounded(g * c))
     store(terms, i + 2 * columns, _rounded(s))

@@ -86,9 +86,8 @@ def _across(first: int, last: int, planes: Any, shape: PlanesShape, flow: Any, t
                                 dx, dy = ty * np.float32(n), tx * np.float32(-n)
                                 _locate(dx, dy, x, y, around, entries, offsets, n - n0)
                             for n in range(n0, n_end):
-                                total = (
-                                    total + _sample_both_sides(lattice, entries, offsets, n - n0) * taps[n]
-                                )  # eq. 10
+                                samples = _sample_both_sides(lattice, entries, offsets, n - n0)
+                                total = total + samples * taps[n]  # eq. 10
                         store(result, at, total)
     return True
 
