@@ -75,6 +75,9 @@ def quantized(pixels: Array, levels: int, softness: float, colorspace: ColorSpac
     return mark_finite(as_picture(flat, *pixels.shape))
 
 
+# Alpha and ink stand in both kernels: a function of them that branches on arrays takes the kernel twice the time.
+
+
 @kernel
 def _finish_lab(
     first: int, last: int, codes: Any, from_xyz: Rows, steps: Steps, under: Any, drawing: Drawing, pixels: Any
@@ -86,11 +89,19 @@ def _finish_lab(
         i = first_pixel(block, count)
         lightness, a, b = load_triples(codes, 3 * i)
         total = total + (zero_or_nan(lightness) + zero_or_nan(a) + zero_or_nan(b))
-        r, g, b = lab.to_rgb(lightness, a, b, from_xyz)
+        red, green, blue = lab.to_rgb(lightness, a, b, from_xyz)
         if steps[0] > 0:
             gain = _gain(lightness * (1 / lab.L), steps)
-            r, g, b = r * gain, g * gain, b * gain
-        _store_inked(r, g, b, under, lines, ink, pixels, i)
+            red, green, blue = red * gain, green * gain, blue * gain
+        alpha = splat_floats(1.0)
+        if under.size > 0:
+            red, green, blue, alpha = premultiplied_over(red, green, blue, under, i)
+        if lines.size > 0:
+            red, green, blue = over(red, green, blue, alpha, load(lines, i), ink)
+        if under.size > 0:
+            store_quads(pixels, 4 * i, (red, green, blue, alpha))
+        else:
+            store_triples(pixels, 3 * i, (red, green, blue))
     return any_nan(total)
 
 
@@ -105,23 +116,17 @@ def _finish_acescct(
         i = first_pixel(block, count)
         r, g, b = load_triples(codes, 3 * i)
         total = total + (zero_or_nan(r) + zero_or_nan(g) + zero_or_nan(b))
-        r, g, b = acescct.to_rgb(r, g, b, from_ap1)
-        _store_inked(r, g, b, under, lines, ink, pixels, i)
+        red, green, blue = acescct.to_rgb(r, g, b, from_ap1)
+        alpha = splat_floats(1.0)
+        if under.size > 0:
+            red, green, blue, alpha = premultiplied_over(red, green, blue, under, i)
+        if lines.size > 0:
+            red, green, blue = over(red, green, blue, alpha, load(lines, i), ink)
+        if under.size > 0:
+            store_quads(pixels, 4 * i, (red, green, blue, alpha))
+        else:
+            store_triples(pixels, 3 * i, (red, green, blue))
     return any_nan(total)
-
-
-@inlined
-def _store_inked(r: Any, g: Any, b: Any, under: Any, lines: Any, ink: InkColor, pixels: Any, i: int) -> None:
-    """Write sixteen pixels from the i-th on, premultiplied by ``under``'s alpha and inked, if there are such runs."""
-    a = splat_floats(1.0)
-    if under.size > 0:
-        r, g, b, a = premultiplied_over(r, g, b, under, i)
-    if lines.size > 0:
-        r, g, b = over(r, g, b, a, load(lines, i), ink)
-    if under.size > 0:
-        store_quads(pixels, 4 * i, (r, g, b, a))
-    else:
-        store_triples(pixels, 3 * i, (r, g, b))
 
 
 @kernel
