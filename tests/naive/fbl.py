@@ -22,7 +22,7 @@ def fbl(codes, flow, sigma_e, r_e, sigma_g, r_g, iterations, sampling="nearest",
 
 
 def _bilateral(codes, alpha, path, sigma, r, sampling):
-    """Return the weighted mean of the centre and of samples s steps along, (dx, dy) away: ``path`` is of (s, dx, dy)."""
+    """Return the weighted mean of the centre and of samples s steps along, (dx, dy) away: (s, dx, dy) in ``path``."""
     read = READ[sampling]
     total, weight = alpha[..., None] * codes, alpha.copy()
     for s, dx, dy in path:
