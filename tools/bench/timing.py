@@ -45,7 +45,7 @@ class Case:
         return taken, 0.0 if self.less is None else _seconds(self.less, self.fresh())
 
     def spread(self, found: Sequence[tuple[float, float]]) -> Spread:
-        """Return the spread of measurements; the least is the least ``run`` minus the least ``less``, to avoid noise."""
+        """Return the spread of measurements; its least is the least ``run`` minus the least ``less``: less noisy."""
         least = min(run for run, _ in found) - min(less for _, less in found)
         return Spread.of([(run - less) / self.per for run, less in found])._replace(least=least / self.per)
 
