@@ -1,1 +1,1 @@
-"""What makes the gallery and measures the speed: for a checkout, not in the wheel."""
+"""The gallery and the benchmark: tools of a checkout, not in the wheel."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.color import constants
 from flowabs_nodes.simd.elementary import exp2, log2
 from flowabs_nodes.simd.jit import inlined, kernel
@@ -49,7 +50,7 @@ def _linear(code: Any) -> Any:
 
 @kernel
 def encode(
-    first: int, last: int, pixels: Any, channels: int, ground: float, to_ap1: ToAp1, codes: Any, mono: Any
+    first: int, last: int, pixels: Array, channels: int, ground: float, to_ap1: ToAp1, codes: Array, mono: Array
 ) -> Any:
     """Encode a picture over its ground: its AP1 channels to ``codes``, its AP1 luminance to ``mono``.
 
@@ -70,7 +71,7 @@ def encode(
 
 
 @kernel
-def decode(first: int, last: int, codes: Any, from_ap1: Rows, under: Any, pixels: Any) -> Any:
+def decode(first: int, last: int, codes: Array, from_ap1: Rows, under: Array, pixels: Array) -> Any:
     """Decode ACEScct to scene-linear RGB; with a picture ``under`` it, to RGBA premultiplied by its alpha."""
     total, count = splat_floats(0.0), codes.size // 3
     for block in range(first, last):

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.color import constants
 from flowabs_nodes.simd.elementary import cube_root
 from flowabs_nodes.simd.jit import inlined, kernel
@@ -45,7 +46,7 @@ def g_inverse(g: Any) -> Any:
 
 @kernel
 def encode(
-    first: int, last: int, pixels: Any, channels: int, ground: float, to_xyz: Rows, codes: Any, mono: Any
+    first: int, last: int, pixels: Array, channels: int, ground: float, to_xyz: Rows, codes: Array, mono: Array
 ) -> Any:
     """Encode a picture over its ground: L*, a*, b* to ``codes``, L* alone to ``mono``.
 
@@ -67,7 +68,7 @@ def encode(
 
 
 @kernel
-def decode(first: int, last: int, codes: Any, from_xyz: Rows, under: Any, pixels: Any) -> Any:
+def decode(first: int, last: int, codes: Array, from_xyz: Rows, under: Array, pixels: Array) -> Any:
     """Decode L*, a*, b* to scene-linear RGB; with a picture ``under`` them, to RGBA premultiplied by its alpha."""
     total, count = splat_floats(0.0), codes.size // 3
     for block in range(first, last):

@@ -32,7 +32,7 @@ _NO_INK: InkColor = (0.0, 0.0, 0.0, 0.0)
 class Drawing(NamedTuple):
     """Lines and their ink, as one argument of a kernel."""
 
-    lines: Any  # a run, 1 paper and 0 ink; no pixels where there is no ink
+    lines: Array  # a run, 1 paper and 0 ink; no pixels where there is no ink
     ink: InkColor
 
 
@@ -80,7 +80,7 @@ def quantized(pixels: Array, levels: int, softness: float, colorspace: ColorSpac
 
 @kernel
 def _finish_lab(
-    first: int, last: int, codes: Any, from_xyz: Rows, steps: Steps, under: Any, drawing: Drawing, pixels: Any
+    first: int, last: int, codes: Array, from_xyz: Rows, steps: Steps, under: Array, drawing: Drawing, pixels: Array
 ) -> Any:
     """Decode L*, a*, b*, quantise unless ``steps`` are 0 bins per L*, then apply alpha and ink."""
     lines, ink = drawing
@@ -107,7 +107,7 @@ def _finish_lab(
 
 @kernel
 def _finish_acescct(
-    first: int, last: int, codes: Any, from_ap1: Rows, under: Any, drawing: Drawing, pixels: Any
+    first: int, last: int, codes: Array, from_ap1: Rows, under: Array, drawing: Drawing, pixels: Array
 ) -> Any:
     """Decode ACEScct, then apply alpha and ink."""
     lines, ink = drawing
@@ -130,7 +130,7 @@ def _finish_acescct(
 
 
 @kernel
-def _quantize(first: int, last: int, pixels: Any, channels: int, to_xyz: Rows, steps: Steps, flat: Any) -> Any:
+def _quantize(first: int, last: int, pixels: Array, channels: int, to_xyz: Rows, steps: Steps, flat: Array) -> Any:
     """Quantise a picture of (pixels x channels,); alpha stays, and so do colours where alpha is 0."""
     total, count = splat_floats(0.0), pixels.size // channels
     for block in range(first, last):

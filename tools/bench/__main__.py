@@ -1,4 +1,4 @@
-"""``python -m tools.bench``: each stage, whole pipelines and peers, timed in turns on a drawn picture."""
+"""Time each stage, whole pipelines and peers, in turns, on a drawn picture: ``python -m tools.bench``."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ SIZES = {"512": (512, 512), "1080p": (1920, 1080), "4k": (4096, 2160)}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Measure and print. Returns the exit code: 2 where the command is wrong, 1 where a measurement failed."""
+    """Measure and print; return the exit code: 2 where the command is wrong, 1 where a measurement failed."""
     given = _parser().parse_args(arguments)
     try:
         _bench(given)
@@ -77,7 +77,7 @@ def _bench(given: argparse.Namespace) -> None:
 
 
 def _at(size: tuple[int, int], names: Sequence[str], seconds: float) -> list[Row]:
-    """Stages, pipelines and peers at one size, all taking turns; then the pipelines' memory."""
+    """Measure stages, pipelines and peers at one size, all taking turns; then the pipelines' memory."""
     from tools.bench.memory import peak
     from tools.bench.scene import scene
 
@@ -113,7 +113,7 @@ def _scaling(size: tuple[int, int], seconds: float) -> list[Row]:
 
 
 def _size(text: str) -> tuple[int, int]:
-    """A size's name, or WIDTHxHEIGHT."""
+    """Return the size of a name or of WIDTHxHEIGHT."""
     if text.lower() in SIZES:
         return SIZES[text.lower()]
     found = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text)

@@ -1,4 +1,4 @@
-"""What is measured: each stage on its own, and whole pipelines as users run them."""
+"""The cases to measure: each stage on its own, and whole pipelines as users run them."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ P = {
 
 
 class Plate:
-    """A picture, and what the stages before have made of it. Each is made when it is first asked for."""
+    """A picture and the results of earlier stages on it, each computed on first use."""
 
     def __init__(self, rgb: Array) -> None:
         self.rgb = rgb
@@ -73,13 +73,13 @@ class Plate:
 
     @cached_property
     def bytes(self) -> Any:
-        """Display-referred, 8 bits a channel: what OpenCV's filters take."""
+        """Return the picture display-referred, 8 bits a channel, as OpenCV's filters take it."""
         import numpy as np
 
         return np.rint(255 * np.clip(self.rgb, 0, 1) ** (1 / 2.2)).astype(np.uint8)
 
     def image(self) -> Image:
-        """As a graph gets it, with nothing worked out yet."""
+        """Return the picture as a graph gets it, with no code values computed yet."""
         from flowabs_nodes.image import Image
 
         return Image.from_array(self.rgb)
@@ -87,7 +87,7 @@ class Plate:
 
 @dataclass(frozen=True)
 class Stage:
-    """How a stage is run on a plate, and how often the pipeline P does it."""
+    """How to run a stage on a plate, and how often the pipeline P runs it."""
 
     case: Callable[[Plate], Case]
     in_p: int = 0
@@ -98,7 +98,7 @@ def _plain(run: Callable[[Plate], object], in_p: int = 0, per: int = 1) -> Stage
 
 
 def _etf(kernel: str, in_p: int = 0) -> Stage:
-    """An iteration: three, less what etf does without any, over three."""
+    """Return the case of one iteration of etf: a third of three iterations' time less the time of none."""
     return Stage(
         lambda plate: Case(
             run=lambda _: filters.etf(plate.code, kernel=kernel, iterations=3),
@@ -155,7 +155,7 @@ STAGES: dict[str, Stage] = {
 
 
 def graph_case(name: str, plate: Plate) -> Case:
-    """A pipeline from the plate in memory to the finished picture in memory, decoded."""
+    """Return the case of a pipeline from the plate in memory to the finished picture in memory, decoded."""
     from flowabs_nodes.engine.runnable import load_graph
 
     graph = load_graph(P if name == "P" else name)
@@ -173,7 +173,7 @@ PIPELINES: dict[str, Callable[[Plate], Case]] = {
 
 
 def chosen(names: Iterable[str], known: Iterable[str]) -> tuple[str, ...]:
-    """The names asked for, or all where none is.
+    """Return the names asked for, or all names if none is.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Peak memory of a pipeline above its plate's own, in a process of its own: NumPy, numba and C++ all count.
+"""Measure a pipeline's peak memory above its plate's, in a process of its own: NumPy, numba and C++ all count.
 
 ``python -m tools.bench.memory NAME FILE.npy`` prints bytes per pixel, which is MB per megapixel.
 """
@@ -21,7 +21,7 @@ _STATUS, _RESET = Path("/proc/self/status"), Path("/proc/self/clear_refs")
 
 
 def peak(name: str, rgb: Array) -> float | None:
-    """MB per megapixel that a pipeline takes at its peak above its plate; None where the system does not tell."""
+    """Return a pipeline's peak memory above its plate, in MB per megapixel; None where the system does not tell."""
     import numpy as np
 
     if not _RESET.exists():

@@ -1,4 +1,4 @@
-"""What others do, in the same run: OpenCV's filters where it is installed, and what tells how the machine itself does.
+"""Peers to time in the same run: OpenCV's filters where it is installed, and references for the machine's own speed.
 
 ``cv2.bilateralFilter`` does the work of stage ``bilateral-full``: the same float code values and sigmas, over a disc
 where ours is a square. The other two of OpenCV take 8 bits and its own defaults.
@@ -57,5 +57,5 @@ PEERS: dict[str, Callable[[Plate], Case]] = {
 
 
 def available() -> tuple[str, ...]:
-    """The names of those that can run here."""
+    """Return the names of the peers that can run here."""
     return tuple(name for name in PEERS if not name.startswith("cv2.") or find_spec("cv2") is not None)

@@ -1,4 +1,4 @@
-"""What was measured: as rows, as JSON, as a table, and as ratios to what an earlier run has measured.
+"""Report measurements as rows, as JSON, as a table, and as ratios to an earlier run.
 
 Tables show medians, spreads and least times. What is made of them (gains, shares, ratios, lines) is made of the least:
 what a machine does besides can only make a time longer.
@@ -28,7 +28,7 @@ Key = tuple[str, str, int, int, int, float | None]
 
 @dataclass(frozen=True)
 class Row:
-    """One figure. ``section``: stage, pipeline, memory, peer, scaling or start; ``value``: the parameter's, in scaling.
+    """One measurement, of a section: stage, pipeline, memory, peer, scaling (of ``value``, a parameter's) or start.
 
     ``width``, ``height`` and ``threads`` are 0 where they mean nothing.
     """
@@ -67,13 +67,13 @@ class Row:
 
 
 def to_json(rows: Iterable[Row]) -> str:
-    """All rows, and the machine they were measured on."""
+    """Return all rows, and the machine they were measured on, as JSON."""
     found = {"format": FORMAT, "machine": machine(), "rows": [asdict(row) for row in rows]}
     return json.dumps(found, indent=1) + "\n"
 
 
 def from_json(file: Path) -> list[Row]:
-    """The rows of an earlier run.
+    """Return the rows of an earlier run from its JSON file.
 
     Raises
     ------
@@ -92,7 +92,7 @@ def from_json(file: Path) -> list[Row]:
 
 
 def machine() -> dict[str, Any]:
-    """What a figure depends on."""
+    """Return the properties of machine and software that measurements depend on."""
     return {
         "when": datetime.now(UTC).isoformat(timespec="seconds"),
         "processor": _processor(),
@@ -107,7 +107,7 @@ def machine() -> dict[str, Any]:
 
 
 def table(rows: Sequence[Row], in_p: Mapping[str, int], earlier: Sequence[Row] = ()) -> str:
-    """Everything as text. ``in_p``: how often the pipeline P runs each stage."""
+    """Return all measurements as text; ``in_p`` tells how often the pipeline P runs each stage."""
     before = {row.key: row for row in earlier}
     parts = []
     for section in ("stage", "peer", "pipeline"):
@@ -127,7 +127,7 @@ def table(rows: Sequence[Row], in_p: Mapping[str, int], earlier: Sequence[Row] =
 def _by_threads(
     section: str, size: tuple[int, int], rows: Sequence[Row], shares: Mapping[str, float], before: Mapping[Key, Row]
 ) -> str:
-    """A line for each name, a pair of columns for each number of threads."""
+    """Return a line for each name, with a pair of columns for each number of threads."""
     counts = sorted({row.threads for row in rows})
     titles = [f"{_threads(count):>12}    ±   least{'  ratio' if before else ''}" for count in counts]
     head = f"{section:26}" + "".join(titles) + (f"{'gain':>8}" if len(counts) > 1 else "")
@@ -146,7 +146,7 @@ def _by_threads(
 
 
 def _shares(rows: Iterable[Row], size: tuple[int, int], in_p: Mapping[str, int]) -> dict[str, float]:
-    """What part of P's time on one thread each stage is, if P was measured too."""
+    """Return each stage's share of P's time on one thread, if P was measured too."""
     single = [row for row in rows if (row.width, row.height, row.threads) == (*size, 1)]
     whole = next((row.least for row in single if (row.section, row.name) == ("pipeline", "P")), None)
     if whole is None:
@@ -165,7 +165,7 @@ def _plain(title: str, rows: Sequence[Row], before: Mapping[Key, Row]) -> str:
 
 
 def _scaling(rows: Sequence[Row], before: Mapping[Key, Row]) -> str:
-    """Each sweep on a line or two: its figures, and how straight the line through them is."""
+    """Return each sweep on a line or two: its figures, and how straight the line through them is."""
     lines = []
     for name in dict.fromkeys(row.name for row in rows):
         sweep = [row for row in rows if row.name == name]
@@ -180,7 +180,7 @@ def _scaling(rows: Sequence[Row], before: Mapping[Key, Row]) -> str:
 
 
 def _figure(row: Row, before: Mapping[Key, Row]) -> str:
-    """The median, the distance between the quartiles as a part of it, the least, the ratio to the earlier run."""
+    """Return a row's median, distance between quartiles as a part of it, least time, and ratio to the earlier run."""
     spread = (row.high - row.low) / abs(row.median) if row.median else 0.0
     text = f"{row.median:12.2f} {min(spread, 9.99):4.0%}{row.least:8.2f}"
     if before:
@@ -190,7 +190,7 @@ def _figure(row: Row, before: Mapping[Key, Row]) -> str:
 
 
 def _summary(rows: Iterable[Row], before: Mapping[Key, Row]) -> str:
-    """Ratios over everything, and those of what is no part of flowabs: what the machine itself has changed."""
+    """Return the ratios over all of flowabs, and over the peers, which show how the machine itself has changed."""
     ratios = [(row, ratio) for row in rows if (ratio := _ratio(row, before)) is not None]
     foreign = [ratio for row, ratio in ratios if row.section == "peer" and row.name != "dog"]
     ours = [ratio for row, ratio in ratios if row.section in ("stage", "pipeline")]
@@ -203,7 +203,7 @@ def _summary(rows: Iterable[Row], before: Mapping[Key, Row]) -> str:
 
 
 def _ratio(row: Row, before: Mapping[Key, Row]) -> float | None:
-    """None where the earlier run has no such figure, or one of the two is lost in noise."""
+    """Return the ratio to the earlier run; None where the earlier run has no such row, or one is lost in noise."""
     other = before.get(row.key)
     return row.least / other.least if other is not None and other.least > 0 and row.least > 0 else None
 
@@ -213,7 +213,7 @@ def _threads(count: int) -> str:
 
 
 def _processor() -> str:
-    """Linux knows its name; elsewhere the architecture has to do."""
+    """Return the processor's name on Linux, elsewhere its architecture."""
     info = Path("/proc/cpuinfo")
     lines = info.read_text(encoding="utf-8", errors="replace").splitlines() if info.exists() else []
     names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]

@@ -1,4 +1,4 @@
-"""How the time grows: with each length, with the number of pixels, with the number of threads."""
+"""Measure how the time grows with each length, with the number of pixels, with the number of threads."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ SIDES = (256, 512, 1024, 2048)
 
 
 def sweeps(size: tuple[int, int], seconds: float) -> list[Row]:
-    """ns per pixel on one thread for each value of each parameter."""
+    """Measure ns per pixel on one thread for each value of each parameter."""
     plate = Plate(scene(*size))
     cases = {(name, value): _case(plate, run, value) for name, (values, run) in SWEEPS.items() for value in values}
     taken = measure({f"{name}={value:g}": case for (name, value), case in cases.items()}, (1,), seconds)
@@ -41,7 +41,7 @@ def sweeps(size: tuple[int, int], seconds: float) -> list[Row]:
 
 
 def pixels(seconds: float, sides: tuple[int, ...] = SIDES) -> list[Row]:
-    """ns per pixel of P on pictures of several sizes, on one thread."""
+    """Measure ns per pixel of the pipeline P on pictures of several sizes, on one thread."""
     cases = {str(side): PIPELINES["P"](Plate(scene(side, side))) for side in sides}
     taken = measure(cases, (1,), seconds)
     return [
@@ -51,7 +51,7 @@ def pixels(seconds: float, sides: tuple[int, ...] = SIDES) -> list[Row]:
 
 
 def threads(size: tuple[int, int], most: int, seconds: float) -> list[Row]:
-    """Milliseconds of P on one thread, two, four and so on up to all."""
+    """Measure milliseconds of the pipeline P on one thread, two, four and so on up to all."""
     counts = sorted({*(2**k for k in range(most.bit_length()) if 2**k <= most), most})
     taken = measure({"P": PIPELINES["P"](Plate(scene(*size)))}, counts, seconds)
     return [Row.of("scaling", "P threads", size, n, "ms", taken["P", n].times(1000), n) for n in counts]

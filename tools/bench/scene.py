@@ -1,4 +1,4 @@
-"""The picture that is measured on: like a photograph, drawn by code, the same on every machine."""
+"""Draw the picture to measure on: like a photograph, and the same on every machine."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ CELLS = (4, 16, 64)  # sizes of the shapes, in pixels, whatever the size of the 
 
 
 def scene(width: int, height: int) -> Array:
-    """Scene-linear RGB, (height, width, 3): shading, edges of every direction, texture, grain, highlights."""
+    """Draw scene-linear RGB, (height, width, 3): shading, edges of every direction, texture, grain, highlights."""
     random = np.random.default_rng(2009)
     rgb = np.empty((height, width, 3), np.float32)
     shared = _shapes(random, height, width)  # most edges are in all channels at once
@@ -24,7 +24,7 @@ def scene(width: int, height: int) -> Array:
 
 
 def _shapes(random: np.random.Generator, height: int, width: int) -> Array:
-    """Noise of several sizes, the larger the stronger."""
+    """Return noise of several sizes, the larger the stronger."""
     total = np.zeros((height, width), np.float32)
     for cell in CELLS:
         corners = random.standard_normal((height // cell + 2, width // cell + 2), np.float32)
@@ -33,7 +33,7 @@ def _shapes(random: np.random.Generator, height: int, width: int) -> Array:
 
 
 def _between(corners: Array, count: int, cell: int) -> Array:
-    """``count`` rows between the rows of ``corners``, ``cell`` to each, without kinks."""
+    """Return ``count`` rows, interpolated smoothly between the rows of ``corners``, ``cell`` rows apart."""
     place = np.arange(count, dtype=np.float32)[:, np.newaxis] / np.float32(cell)
     first = place[:, 0].astype(np.intp)
     t = place - np.floor(place)

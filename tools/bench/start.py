@@ -1,4 +1,4 @@
-"""How long a whole process takes, from the command to its end: cold, with nothing compiled, and warm.
+"""Time whole processes, from the command to its end: cold, with no kernel compiled, and warm.
 
 ``python -m tools.bench.start [GRAPH]`` prints how long each kernel of a graph takes to compile.
 """
@@ -22,7 +22,7 @@ SIZE = 512
 
 
 def environment(**more: str) -> dict[str, str]:
-    """This process's, such that another Python finds this flowabs too."""
+    """Return this process's environment, changed so that another Python finds this flowabs too."""
     import flowabs_nodes
 
     package = str(Path(flowabs_nodes.__file__).resolve().parents[1])
@@ -31,7 +31,7 @@ def environment(**more: str) -> dict[str, str]:
 
 
 def start_times() -> dict[str, Spread]:
-    """Seconds of each command; warm ones take turns. The first run fills an empty kernel cache, and is one."""
+    """Return the seconds of each command. The first run is cold and fills the kernel cache; warm runs take turns."""
     from flowabs_nodes.image import Image
     from tools.bench.scene import scene
 
@@ -56,7 +56,7 @@ def start_times() -> dict[str, Spread]:
 
 
 def compile_times(graph: str) -> dict[str, float]:
-    """Processor seconds for each kernel of a graph, the longest first; in a process that has not seen numba yet."""
+    """Return the processor seconds that each kernel of a graph takes to compile, longest first, in a fresh process."""
     with tempfile.TemporaryDirectory(prefix="flowabs-bench-") as folder:
         os.environ["NUMBA_CACHE_DIR"] = folder
         from numba.core import event

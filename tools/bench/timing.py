@@ -1,4 +1,4 @@
-"""Taking times: many cases in turns, so that whatever else the machine does meets all of them."""
+"""Time many cases in turns, so that whatever else the machine does slows all of them alike."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ def _nothing() -> None:
 
 @dataclass(frozen=True)
 class Case:
-    """Something to time.
+    """A function to time.
 
     Parameters
     ----------
     run
-        What is timed. It gets what ``fresh`` has made just before the clock started.
+        The function to time. Its argument is made by ``fresh`` just before the clock starts.
     less
-        What ``run`` does too but is not meant: its time, taken right after, is subtracted.
+        The part of ``run`` that does not count: its time, taken right after, is subtracted.
     per
-        How often ``run`` does what is meant, such as its iterations.
+        How often ``run`` repeats the work to time, such as its iterations.
     """
 
     run: Callable[[Any], object]
@@ -40,18 +40,18 @@ class Case:
     per: int = 1
 
     def seconds(self) -> tuple[float, float]:
-        """One measurement: of ``run`` and of ``less``."""
+        """Return one measurement, in seconds, of ``run`` and of ``less``."""
         taken = _seconds(self.run, self.fresh())
         return taken, 0.0 if self.less is None else _seconds(self.less, self.fresh())
 
     def spread(self, found: Sequence[tuple[float, float]]) -> Spread:
-        """What measurements come to. The least is that of each of the two: the least difference is one of noise."""
+        """Return the spread of measurements; its least is the least ``run`` minus the least ``less``: less noisy."""
         least = min(run for run, _ in found) - min(less for _, less in found)
         return Spread.of([(run - less) / self.per for run, less in found])._replace(least=least / self.per)
 
 
 class Spread(NamedTuple):
-    """What several measurements come to: the middle, the quartiles around it, the least, and how many they were."""
+    """A summary of several measurements: the median, the quartiles around it, the least, and their number."""
 
     median: float
     low: float
@@ -67,15 +67,15 @@ class Spread(NamedTuple):
         return cls(median, low, high, min(found), len(found))
 
     def times(self, factor: float) -> Spread:
-        """In another unit."""
+        """Return the spread in another unit."""
         return Spread(self.median * factor, self.low * factor, self.high * factor, self.least * factor, self.rounds)
 
 
 def measure(cases: Mapping[str, Case], threads: Sequence[int], seconds: float) -> dict[tuple[str, int], Spread]:
-    """Seconds of each case on each number of threads.
+    """Measure the seconds of each case on each number of threads.
 
-    All take turns, in another order each round; one that has had ``seconds`` is left out of further rounds, but none
-    is measured less than three times. Each has run once before, so that everything is compiled and in place.
+    All take turns, in another order each round; a case that has had ``seconds`` is left out of further rounds,
+    but none is measured less than three times. Each case has run once before, so that its kernels are compiled.
     """
     for case in cases.values():
         case.seconds()
@@ -97,7 +97,7 @@ def measure(cases: Mapping[str, Case], threads: Sequence[int], seconds: float) -
 
 @contextmanager
 def on_threads(count: int) -> Iterator[None]:
-    """Inside, kernels and, where it is in use, OpenCV work on so many threads."""
+    """Run the body with ``count`` threads for kernels and, where it is in use, OpenCV."""
     from flowabs_nodes.simd import bands
 
     cv2 = sys.modules.get("cv2")
@@ -113,7 +113,7 @@ def on_threads(count: int) -> Iterator[None]:
 
 
 class Elsewhere:
-    """How much of the processors other processes have used since this was made; only Linux tells."""
+    """The share of the processors that other processes have used since this object was made; only Linux tells."""
 
     def __init__(self) -> None:
         self.before = self._busy()
@@ -126,7 +126,7 @@ class Elsewhere:
 
     @staticmethod
     def _busy() -> tuple[float, float, float] | None:
-        """Seconds of all processors: in use, in use by this process, and there in all."""
+        """Return the seconds of all processors: used, used by this process, and in total."""
         stat = Path("/proc/stat")
         if not stat.exists():
             return None
@@ -138,7 +138,7 @@ class Elsewhere:
 
 
 def thread_counts() -> tuple[int, ...]:
-    """One thread, and all there are."""
+    """Return the numbers of threads to measure on: one, and all."""
     from flowabs_nodes.simd.bands import available_threads
 
     return tuple(sorted({1, available_threads()}))

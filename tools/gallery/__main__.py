@@ -1,4 +1,4 @@
-"""``python -m tools.gallery [--only fig07]... [--out DIR]``: the gallery's sheets and its page."""
+"""Make the gallery's sheets and its page: ``python -m tools.gallery [--only fig07]... [--out DIR]``."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tools.gallery.render import render
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Make the sheets asked for; the page too, when all are. Returns the exit code."""
+    """Make the sheets asked for, and the page if all are; return the exit code."""
     parser = argparse.ArgumentParser(prog="python -m tools.gallery", description="Makes docs/gallery again.")
     parser.add_argument(
         "--only", action="append", metavar="FIGURE", help="one sheet, without the page; may be repeated"
@@ -44,7 +44,7 @@ def make(only: list[str], folder: Path) -> None:
 
 
 def error_code(error: FlowabsError) -> int:
-    """2 where the command is wrong, 1 where making it failed; as the command line's."""
+    """Return the exit code of an error, as the command line: 2 where the command is wrong, 1 where the work failed."""
     return 2 if isinstance(error, CommandError) else 1
 
 

@@ -1,4 +1,4 @@
-"""Our lines and cartoon beside what others use, with numbers: ``python -m tools.gallery.compare [FOLDER]``.
+"""Compare our lines and cartoon with what others use, in numbers: ``python -m tools.gallery.compare [FOLDER]``.
 
 Five pictures, each at the 540 lines that the shipped graphs are meant for. Each method is a graph, so that anyone can
 run it; OpenCV's stylization is called as it is. Then Figs. 16 and 17 as numbers, and Fig. 23's times from
@@ -54,7 +54,7 @@ class Method:
 
 @dataclass(frozen=True)
 class Steadiness:
-    """What is measured of a method on a picture; a flat picture has neither ink nor jag."""
+    """The measurements of a method on a picture; a flat picture has neither ink nor jag."""
 
     flicker: float
     jag: float | None = None
@@ -65,7 +65,7 @@ Measured = dict[str, dict[str, Steadiness]]  # by method and picture
 
 
 def line_methods() -> tuple[Method, ...]:
-    """Ours, then FDoG and isotropic DoG at the paper's values, isotropic DoG with our threshold, and Canny."""
+    """Return ours, FDoG and isotropic DoG at the paper's values, isotropic DoG with our threshold, and Canny."""
     return (
         Method("lines", "graph lines, as shipped", _graph("lines", "lines")),
         Method(
@@ -89,7 +89,7 @@ def line_methods() -> tuple[Method, ...]:
 
 
 def color_methods() -> tuple[Method, ...]:
-    """Ours, then the bilateral filter with levels, mean shift, and OpenCV's stylization."""
+    """Return ours, the bilateral filter with levels, mean shift, and OpenCV's stylization."""
     levels = {"levels": 10, "softness": 0.7}
     return (
         Method("abstraction", "graph abstraction, as shipped", _graph("abstraction", "comp")),
@@ -110,7 +110,7 @@ def color_methods() -> tuple[Method, ...]:
 
 
 def picture(name: str, lines: int | None = LINES) -> Image:
-    """A picture of ``docs/pictures``, resized to a number of lines; None leaves it as it is."""
+    """Return a picture of ``docs/pictures``, resized to a number of lines; None leaves it as it is."""
     plate = read_image(inputs.pictures() / name, settings=Settings(), note=_quiet, warn=_quiet)
     height, width, _ = plate.pixels.shape
     if lines in (None, height):
@@ -121,21 +121,21 @@ def picture(name: str, lines: int | None = LINES) -> Image:
 
 
 def under_noise(plate: Image, draw: int, sigma: float = NOISE) -> Image:
-    """The plate under Gaussian noise in each channel, sigma in 8-bit display values; nothing is rounded or clipped."""
+    """Add Gaussian noise to each channel of the plate, sigma in 8-bit display values, without rounding or clipping."""
     codes = srgb.encoded(plate.pixels)
     noise = np.random.default_rng(draw).standard_normal(codes.shape).astype(np.float32)
     return Image.from_array(srgb.linear(codes + np.float32(sigma / 255) * noise), plate.colorspace)
 
 
 def steadiness_of_lines(method: Method, plate: Image) -> Steadiness:
-    """Flicker of two draws of noise; jag and ink of the drawing without any."""
+    """Measure the flicker between two draws of noise, and jag and ink of the drawing without noise."""
     one, other = (method.run(under_noise(plate, draw)).pixels[..., 0] for draw in DRAWS)
     drawing = method.run(plate).pixels[..., 0]
     return Steadiness(measures.flicker(one, other), measures.jag(drawing), float(1 - drawing.mean()))
 
 
 def steadiness_of_color(method: Method, plate: Image) -> Steadiness:
-    """Mean |difference| of two draws of noise, in 8-bit display values: what goes in has 2.26."""
+    """Measure the mean |difference| between two draws of noise, in 8-bit display values: the input's is 2.26."""
     one, other = (_display_codes(method.run(under_noise(plate, draw))) for draw in DRAWS)
     return Steadiness(float(np.abs(one - other).mean()))
 
@@ -179,7 +179,7 @@ def _plain(found: Measured) -> dict[str, dict[str, dict[str, float]]]:
 
 
 def _restored(folder: Path) -> dict[str, dict[str, dict[str, float]]]:
-    """Figs. 16 and 17 on a drawing and on photographs: numbers, and a sheet of the drawing."""
+    """Restore a drawing and photographs as in Figs. 16 and 17: return the numbers, write a sheet of the drawing."""
     pictures = {"flower (drawn)": restoration.flower()}
     pictures |= {name: restoration.photograph(name) for name in restoration.PHOTOGRAPHS}
     found: dict[str, dict[str, dict[str, float]]] = {}
@@ -210,7 +210,7 @@ def _sheet(
     captions: Mapping[str, str],
     file: Path,
 ) -> Path:
-    """A row of each family, and one of the same at 1:1."""
+    """Write a sheet with a row of each family of methods, and a row of each at 1:1."""
     rows = []
     for methods in families:
         made = [("input", display(plate)), *((method.name, display(method.run(plate))) for method in methods)]
@@ -230,7 +230,7 @@ def _node(kind: str, **params: Any) -> Callable[[Image], Image]:
 
 
 def _chain(nodes: Mapping[str, Any]) -> Callable[[Image], Image]:
-    """A graph of these nodes, of which ``made`` is the last."""
+    """Return a graph of these nodes, of which ``made`` is the last."""
     ends = {"plate": {"type": "read@1"}, "out": {"type": "write@1", "inputs": {"image": "made"}}}
     graph = load_graph({"format": "flowabs.graph/1", "name": "compared", "nodes": ends | dict(nodes)})
     return lambda plate: _run(graph, plate, "made")
@@ -241,7 +241,7 @@ def _run(graph: RunnableGraph, plate: Image, output: str) -> Image:
 
 
 def _stylization(plate: Image) -> Image:
-    """OpenCV's domain-transform stylization, on the 8 bits it takes."""
+    """Run OpenCV's domain-transform stylization, on 8 bits."""
     from flowabs_nodes.filters.opencv import opencv
 
     made: Bytes = opencv("stylization").stylization(np.ascontiguousarray(display(plate)[..., ::-1]))[..., ::-1]
@@ -253,7 +253,7 @@ def _display_codes(image: Image) -> Array:
 
 
 def _quiet(message: Any) -> None:
-    """What the colour space of these pictures is, is known."""
+    """Silence the log: the colour space of these pictures is known."""
 
 
 if __name__ == "__main__":

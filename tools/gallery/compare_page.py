@@ -1,4 +1,4 @@
-"""The text of ``docs/compare``, in Markdown, around the numbers that were measured."""
+"""Write the page of ``docs/compare``, in Markdown, around the measured numbers."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ Fig. 23 again: `python -m tools.gallery.speed --svg fig23.svg --json fig23.json`
 
 
 def page(numbers: Mapping[str, Any], words: Mapping[str, str], times: Mapping[str, Any]) -> str:
-    """The whole page, from ``numbers.json``, a description of each method, and ``fig23.json``."""
+    """Return the whole page, from ``numbers.json``, a description of each method, and ``fig23.json``."""
     pictures = list(next(iter(numbers["lines"].values())))
     ours = next(iter(numbers["lines"]))
     flicker, jag = (_mean(numbers["lines"][ours], key) for key in ("flicker", "jag"))

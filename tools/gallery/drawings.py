@@ -1,4 +1,4 @@
-"""Inputs that are drawn by code: points, a disc in noise, a fine texture, and damaged photographs.
+"""Draw inputs by code: points, a disc in noise, a fine texture; and damage photographs.
 
 Drawings are code values, (H, W) float32, white 255; :func:`scene_linear` turns them into what a plate holds.
 Photographs are display-referred, (H, W, 3) uint8. The same arguments give the same bits.
@@ -27,7 +27,7 @@ SPACING = 13.5  # from dot to dot, about that of 28 dots on the circle
 
 
 def dots(points: Iterable[tuple[float, float]], radius: float = 3.0, size: int = SIZE) -> Array:
-    """Black dots on white, anti-aliased, around the points (x, y)."""
+    """Draw black dots on white, anti-aliased, around the points (x, y)."""
     y, x = np.mgrid[:size, :size]
     cover = np.zeros((size, size))
     for px, py in points:
@@ -36,13 +36,13 @@ def dots(points: Iterable[tuple[float, float]], radius: float = 3.0, size: int =
 
 
 def dots_on_circle(count: int = 28, ring: float = RING) -> Array:
-    """Fig. 8a: isolated dots on a circle."""
+    """Draw Fig. 8a: isolated dots on a circle."""
     angles = 2 * np.pi * np.arange(count) / count
     return dots((CENTRE + ring * np.cos(a), CENTRE + ring * np.sin(a)) for a in angles)
 
 
 def dots_x(arm: int = 7, spacing: float = SPACING) -> Array:
-    """Fig. 8d: an X of 29 dots, one in the middle and seven on each diagonal arm."""
+    """Draw Fig. 8d: an X of 29 dots, one in the middle and seven on each diagonal arm."""
     step = spacing / np.sqrt(2)
     return dots(
         [(CENTRE, CENTRE)]
@@ -56,14 +56,14 @@ def dots_x(arm: int = 7, spacing: float = SPACING) -> Array:
 
 
 def dots_t(half_bar: int = 5, stem: int = 8, spacing: float = SPACING) -> Array:
-    """Fig. 8g: a T of 19 dots, a bar of eleven and a stem of eight."""
+    """Draw Fig. 8g: a T of 19 dots, a bar of eleven and a stem of eight."""
     top = CENTRE - stem * spacing / 2
     bar = [(CENTRE + k * spacing, top) for k in range(-half_bar, half_bar + 1)]
     return dots(bar + [(CENTRE, top + k * spacing) for k in range(1, stem + 1)])
 
 
 def disc_in_noise(seed: int = 0, sigma: float = 40.0, disc: float = 90.0, ground: float = 160.0) -> Array:
-    """Fig. 9a: a dark disc under Gaussian noise, sigma in code values."""
+    """Draw Fig. 9a: a dark disc under Gaussian noise, sigma in code values."""
     y, x = np.mgrid[:SIZE, :SIZE]
     cover = np.clip(RING + 0.5 - np.hypot(x - CENTRE, y - CENTRE), 0, 1)
     clean = ground + (disc - ground) * cover
@@ -71,13 +71,13 @@ def disc_in_noise(seed: int = 0, sigma: float = 40.0, disc: float = 90.0, ground
 
 
 def disc_contour() -> npt.NDArray[np.bool_]:
-    """The true contour of :func:`disc_in_noise`: the pixels that the circle passes through."""
+    """Return the true contour of :func:`disc_in_noise`: the pixels that the circle passes through."""
     y, x = np.mgrid[:SIZE, :SIZE]
     return np.asarray(np.abs(np.hypot(x - CENTRE, y - CENTRE) - RING) < 0.5)
 
 
 def small_texture(period: float = 8.0, width: float = 1.0, seed: int = 1) -> Array:
-    """Fig. 10a: a fine net without direction, black lines of ``width`` around cells ``period`` apart.
+    """Draw Fig. 10a: a fine net without direction, black lines of ``width`` around cells ``period`` apart.
 
     The cells are those of a hexagonal lattice whose points are jittered by a quarter of the period.
     """
@@ -99,7 +99,7 @@ def _jittered_lattice(period: float, seed: int) -> npt.NDArray[np.float64]:
 
 
 def scene_linear(code: npt.ArrayLike) -> Array:
-    """The grey plate (H, W, 3) whose code values (L* x 2.55) are ``code``."""
+    """Return the grey plate (H, W, 3) whose code values (L* x 2.55) are ``code``."""
     lstar = np.asarray(code, np.float32) / np.float32(2.55)
     grey = np.asarray(lstar_inverse(lstar), np.float32)
     plate: Array = np.repeat(grey[:, :, np.newaxis], 3, axis=2)
@@ -107,13 +107,13 @@ def scene_linear(code: npt.ArrayLike) -> Array:
 
 
 def noisy(photo: Bytes, sigma: float = 20.0, seed: int = 0) -> Bytes:
-    """A photograph under Gaussian noise, sigma in 8-bit display values, rounded and clipped as a camera would."""
+    """Add Gaussian noise to a photograph, sigma in 8-bit display values, rounded and clipped as by a camera."""
     noise = sigma * np.random.default_rng(seed).standard_normal(photo.shape)
     return np.clip(np.rint(photo + noise), 0, 255).astype(np.uint8)
 
 
 def jpeg_damaged(photo: Bytes, quality: int = 10) -> Bytes:
-    """A photograph (H, W, 3) as JPEG of this quality, 1 to 100, gives it back."""
+    """Return a photograph (H, W, 3) after JPEG compression of this quality, 1 to 100."""
     height, width, channels = photo.shape
     with tempfile.TemporaryDirectory() as folder:
         path = str(Path(folder) / "photo.jpg")

@@ -1,4 +1,4 @@
-"""The figures: which graph, on which pictures, and which outputs side by side.
+"""The figures: each one's graph, its pictures, and its outputs side by side.
 
 Parameters in captions come from the graph as it ran; numbers are measured on the very pictures shown.
 """
@@ -54,7 +54,7 @@ class Figure:
 
 
 def pieces(*outputs: str) -> Measure:
-    """How many pieces of ink each drawing has, and how large they are."""
+    """Count the pieces of ink of each drawing, and measure their size."""
 
     def measure(results: Results, picture: str) -> Mapping[str, str]:
         found = {output: measures.ink_components(results[output].pixels[..., 0]) for output in outputs}
@@ -66,7 +66,7 @@ def pieces(*outputs: str) -> Measure:
 
 
 def contour(*outputs: str) -> Measure:
-    """F-score of each drawing against the true contour of the disc."""
+    """Measure the F-score of each drawing against the true contour of the disc."""
 
     def measure(results: Results, picture: str) -> Mapping[str, str]:
         true = drawings.disc_contour()
@@ -77,13 +77,13 @@ def contour(*outputs: str) -> Measure:
 
 
 def distance(results: Results, picture: str) -> Mapping[str, str]:
-    """Mean colour distance of Fig. 5's two pictures, components 0 to 1."""
+    """Measure the mean colour distance of Fig. 5's two pictures, components 0 to 1."""
     apart = np.linalg.norm(results["full"].pixels - results["separable"].pixels, axis=2)
     return {"separable": f"mean colour distance {apart.mean():.3f}"}
 
 
 def noise_ratio(*outputs: str) -> Measure:
-    """PSNR of each picture against the photograph before it was damaged, in 8-bit display values."""
+    """Measure the PSNR of each picture against the undamaged photograph, in 8-bit display values."""
 
     def measure(results: Results, picture: str) -> Mapping[str, str]:
         true = inputs.clean(picture).astype(np.float64)
@@ -106,7 +106,7 @@ _BILATERAL = ("sigma_d", "sigma_r", "iterations")
 
 
 def of(node: str, *names: str) -> tuple[str, ...]:
-    """Parameters of a node, as a caption names them."""
+    """Return the names of a node's parameters, as a caption names them."""
     return tuple(f"{node}.{name}" for name in names)
 
 

@@ -1,4 +1,4 @@
-"""The pictures that figures are made of: photographs in ``docs/pictures``, and those that are drawn or damaged by code.
+"""Find or make the figures' inputs: photographs in ``docs/pictures``, and pictures drawn or damaged by code.
 
 The latter are written to a folder of inputs, so that a graph can be run on the same file from the command line.
 """
@@ -22,7 +22,7 @@ from tools.gallery.sheet import Bytes, display
 
 
 def blobs(size: int = 200, scale: float = 2.0, spread: float = 30.0, seed: int = 3) -> drawings.Array:
-    """Fig. 19a: small texture without direction, noise blurred by ``scale`` pixels, and a little noise on it."""
+    """Draw Fig. 19a: small texture without direction, noise blurred by ``scale`` pixels, with a little noise on it."""
     draws = np.random.default_rng(seed).standard_normal((2, size, size)).astype(np.float32)
     soft = blur(draws[0], scale)
     return np.asarray(128 + spread * soft / soft.std() + 4 * draws[1], np.float32)
@@ -45,7 +45,7 @@ DAMAGED: dict[str, tuple[str, tuple[int, int, int, int], Callable[[Bytes], Bytes
 
 
 def pictures() -> Path:
-    """The folder of photographs, in a checkout."""
+    """Return the folder of photographs, in a checkout."""
     folder = Path(flowabs_nodes.__file__).resolve().parent.parent / "docs" / "pictures"
     if not folder.is_dir():
         raise ReadError(f"the gallery's photographs are not there: {folder}", hint="run it from a checkout")
@@ -53,7 +53,7 @@ def pictures() -> Path:
 
 
 def file_of(name: str, folder: Path) -> Path:
-    """The file of a picture; a drawn or damaged one is written into ``folder`` first."""
+    """Return the file of a picture; write a drawn or damaged one into ``folder`` first."""
     if name in DRAWN:
         # Half float: noise goes below black and above white, and stays.
         return _write(drawings.scene_linear(DRAWN[name]())[..., :1], folder / f"{name}.exr", "half", ("Y",))
@@ -63,7 +63,7 @@ def file_of(name: str, folder: Path) -> Path:
 
 
 def clean(name: str) -> Bytes:
-    """What a damaged photograph was before: (H, W, 3) display pixels."""
+    """Return a damaged photograph as it was before: (H, W, 3) display pixels."""
     source, (x, y, width, height), _ = DAMAGED[name]
     return np.ascontiguousarray(display(_read(pictures() / source))[y : y + height, x : x + width])
 
@@ -73,7 +73,7 @@ def _read(path: Path) -> Image:
 
 
 def _quiet(message: str) -> None:
-    """What a photograph's colour space is, is known."""
+    """Silence the log: a photograph's colour space is known."""
 
 
 def _write(pixels: drawings.Array | Bytes, path: Path, kind: str, channels: tuple[str, ...]) -> Path:

@@ -1,4 +1,4 @@
-"""What the paper claims in words, as numbers: connected lines, found contours, coherence.
+"""Measure what the paper claims in words: connected lines, found contours, coherence.
 
 Lines are (H, W), 1 paper and 0 ink; below one half is ink.
 """
@@ -31,19 +31,19 @@ class Found(NamedTuple):
 
 
 def is_ink(lines: npt.ArrayLike) -> npt.NDArray[np.bool_]:
-    """Where a drawing has ink."""
+    """Return whether each pixel of a drawing is ink."""
     return np.asarray(lines) < 0.5
 
 
 def ink_components(lines: npt.ArrayLike) -> Ink:
-    """Pieces of ink, 8-connected: fewer and larger ones are a more coherent drawing."""
+    """Return the 8-connected pieces of ink: fewer and larger pieces make a more coherent drawing."""
     labels, count = ndimage.label(is_ink(lines), _EIGHT)
     sizes = np.bincount(labels.ravel())[1:]
     return Ink(int(count), float(sizes.mean()) if count else 0.0, int(sizes.max()) if count else 0)
 
 
 def is_closed_ring(lines: npt.ArrayLike, centre: tuple[float, float], radius: float, tolerance: float = 3.0) -> bool:
-    """Whether ink is one piece, each pixel within ``tolerance`` of a circle about (x, y), and shuts the centre in."""
+    """Return whether ink is one piece, within ``tolerance`` px of a circle about (x, y), that shuts the centre in."""
     ink = is_ink(lines)
     y, x = np.mgrid[: ink.shape[0], : ink.shape[1]]
     off = np.abs(np.hypot(x - centre[0], y - centre[1]) - radius)
@@ -54,7 +54,7 @@ def is_closed_ring(lines: npt.ArrayLike, centre: tuple[float, float], radius: fl
 
 
 def f_score(lines: npt.ArrayLike, contour: npt.ArrayLike, tolerance: float = 2.5) -> Found:
-    """Ink against the pixels of a true contour, each counting as met within ``tolerance`` pixels."""
+    """Compare ink with the pixels of a true contour; pixels match within ``tolerance`` pixels."""
     ink, true = is_ink(lines), np.asarray(contour, bool)
     if not ink.any() or not true.any():
         return Found(0.0, 0.0, 0.0)
@@ -65,7 +65,7 @@ def f_score(lines: npt.ArrayLike, contour: npt.ArrayLike, tolerance: float = 2.5
 
 
 def cells_kept(lines: npt.ArrayLike, drawing: npt.ArrayLike) -> float:
-    """Of the white cells of a drawn net (code values), how many are still cells of their own in its lines.
+    """Return the share of the white cells of a drawn net (code values) that are still separate cells in its lines.
 
     A cell is lost when its paper runs into another's, through a gap in the ink, or when it has none left.
     """
@@ -79,13 +79,13 @@ def cells_kept(lines: npt.ArrayLike, drawing: npt.ArrayLike) -> float:
 
 
 def _distance(places: npt.NDArray[np.bool_]) -> npt.NDArray[Any]:
-    """To the nearest of them, in pixels."""
+    """Return each pixel's distance in pixels to the nearest pixel of a mask."""
     distance: npt.NDArray[Any] = ndimage.distance_transform_edt(~places)
     return distance
 
 
 def flicker(one: npt.ArrayLike, other: npt.ArrayLike) -> float:
-    """How much a drawing changes with the noise: mean |difference| over mean ink of two drawings of one frame.
+    """Return how much a drawing changes with the noise: mean |difference| over mean ink of two drawings of one frame.
 
     0 is steady, 2 shares no ink. The frame comes with two draws of noise, sigma 2 of 255 (see ``compare.under_noise``).
     """
@@ -95,7 +95,7 @@ def flicker(one: npt.ArrayLike, other: npt.ArrayLike) -> float:
 
 
 def jag(lines: npt.ArrayLike, sigma: float = 2.0, edge: float = 0.1) -> float:
-    """How jagged ink is, in degrees: how far, on average, the edge of a stroke turns from its direction round about.
+    """Return the jaggedness of ink in degrees: the mean angle between a stroke's edge and its direction round about.
 
     At each pixel where the gradient (Sobel / 8) of the matte is above ``edge`` per pixel, the angle, 0 to 90 degrees,
     between its normal and the main normal of the structure tensor, averaged with a Gaussian of ``sigma`` pixels. A
@@ -110,13 +110,13 @@ def jag(lines: npt.ArrayLike, sigma: float = 2.0, edge: float = 0.1) -> float:
 
 
 def psnr(result: npt.ArrayLike, clean: npt.ArrayLike) -> float:
-    """Peak signal-to-noise ratio in dB, of 8-bit display values (0 to 255)."""
+    """Return the peak signal-to-noise ratio in dB, of 8-bit display values (0 to 255)."""
     error = ((np.asarray(result, np.float64) - np.asarray(clean, np.float64)) ** 2).mean()
     return float(10 * np.log10(255**2 / error)) if error else np.inf
 
 
 def edge_error(result: npt.ArrayLike, clean: npt.ArrayLike, edge: float = 8.0, reach: int = 2) -> float:
-    """How badly edges came back: mean length of the gradient's error over mean length of the true gradient.
+    """Return the error of restored edges: mean length of the gradient's error over mean length of the true gradient.
 
     Both of one channel in values of 0 to 255, at pixels within ``reach`` of where the clean picture's gradient
     (Sobel / 8) is above ``edge`` per pixel. 0 is perfect; 1 is as bad as no edge at all.
@@ -128,6 +128,6 @@ def edge_error(result: npt.ArrayLike, clean: npt.ArrayLike, edge: float = 8.0, r
 
 
 def _gradient(plane: npt.ArrayLike) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
-    """Along x and y, per pixel: Sobel / 8, border repeated."""
+    """Return the gradient along x and y, per pixel: Sobel / 8, border repeated."""
     values = np.asarray(plane, np.float64)
     return ndimage.sobel(values, 1, mode="nearest") / 8, ndimage.sobel(values, 0, mode="nearest") / 8

@@ -1,4 +1,4 @@
-"""The gallery's page: a picture, a claim, what there is to see and a command for each figure, in Markdown."""
+"""Write the gallery's page in Markdown: a picture, a claim, what there is to see and a command for each figure."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ has our lines and flat colour beside other methods on five pictures, with number
 
 
 def page(sheets: Iterable[Rendered]) -> str:
-    """The whole page."""
+    """Return the whole page."""
     sheets = list(sheets)
     links = " · ".join(f"[{sheet.figure.title.partition(':')[0]}](#{sheet.figure.name})" for sheet in sheets)
     links += " · [Fig. 23](#fig23)"
@@ -60,7 +60,7 @@ def page(sheets: Iterable[Rendered]) -> str:
 
 
 def section(sheet: Rendered) -> str:
-    """One figure."""
+    """Return the section of one figure."""
     figure = sheet.figure
     alt = "; ".join(title for title, _ in sheet.captions)
     text = TEXTS[figure.name]
@@ -88,6 +88,6 @@ def _input(figure: Figure) -> str:
 
 
 def _layers(graph: str) -> str:
-    """Names of the layers beside the main picture."""
+    """Return the names of the layers beside the main picture."""
     nodes = json.loads(Path(paper()[graph]).read_text(encoding="utf-8"))["nodes"]
     return ", ".join(name for name in nodes["out"]["inputs"] if name != "image")

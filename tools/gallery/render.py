@@ -1,4 +1,4 @@
-"""A figure's contact sheet: its graph run on its pictures, and captions made of the parameters it ran with."""
+"""Render a figure's contact sheet: run its graph on its pictures, and caption them with the parameters used."""
 
 from __future__ import annotations
 

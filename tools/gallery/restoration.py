@@ -1,4 +1,4 @@
-"""Figs. 16 and 17 as numbers: how near FBL and the bilateral filter bring a damaged picture to what it was.
+"""Measure Figs. 16 and 17: how near FBL and the bilateral filter bring a damaged picture to the undamaged one.
 
 The graphs are those of the figures, with the paper's parameters. The pictures are a drawn one, flat shapes with clean
 outlines as in the paper's own, and photographs, which have texture that no smoothing brings back.
@@ -27,7 +27,7 @@ PHOTOGRAPHS = ("coffee.exr", "chelsea.png", "astronaut.jpg", "columns.jpg")
 
 @dataclass(frozen=True)
 class Damage:
-    """What was done to a picture, and the figure that undoes it."""
+    """A kind of damage to a picture, and the figure that repairs it."""
 
     figure: str
     words: str
@@ -40,7 +40,7 @@ BLOCKS = Damage("fig17", "JPEG, quality 10", drawings.jpeg_damaged)
 
 @dataclass(frozen=True)
 class Restored:
-    """A damaged picture and what each filter made of it, by "damaged", "bilateral", "fbl"."""
+    """A damaged picture and each filter's result, by "damaged", "bilateral", "fbl"."""
 
     pixels: dict[str, Bytes]  # on the display
     psnr: dict[str, float]  # dB, against the clean picture
@@ -61,7 +61,7 @@ def restore(clean: Bytes, damage: Damage) -> Restored:
 
 
 def best_bilateral(clean: Bytes, damage: Damage, sigmas: Iterable[float] = (10, 20, 40, 80)) -> tuple[float, float]:
-    """The sigma_r that suits the bilateral filter best here, and its PSNR: a fairer match than the paper's 10."""
+    """Return the sigma_r of the bilateral filter's best PSNR here, and the PSNR: a fairer match than the paper's 10."""
     damaged = damage.apply(clean)
     found = []
     for sigma in sigmas:
@@ -72,7 +72,7 @@ def best_bilateral(clean: Bytes, damage: Damage, sigmas: Iterable[float] = (10, 
 
 
 def flower(size: int = SIZE) -> Bytes:
-    """Flat shapes with clean, anti-aliased outlines: a flower, a crescent and a bar. (H, W, 3) display pixels."""
+    """Draw flat shapes with clean, anti-aliased outlines, a flower, a crescent and a bar: (H, W, 3) display pixels."""
     fine = 4
     y, x = (np.mgrid[: size * fine, : size * fine] + 0.5) / fine * (SIZE / size)
     picture = np.full((size * fine, size * fine, 3), (214, 196, 160), np.float64)
@@ -86,7 +86,7 @@ def flower(size: int = SIZE) -> Bytes:
 
 
 def photograph(name: str, size: int = 400) -> Bytes:
-    """The top left of a picture in ``docs/pictures``, at most ``size`` wide and high, as display pixels."""
+    """Return the top left of a picture in ``docs/pictures``, at most ``size`` wide and high, as display pixels."""
     image = read_image(inputs.pictures() / name, settings=Settings(), note=_quiet, warn=_quiet)
     return np.ascontiguousarray(display(image)[:size, :size])
 
@@ -105,4 +105,4 @@ def _lightness(pixels: Bytes) -> drawings.Array:
 
 
 def _quiet(message: Any) -> None:
-    """What the colour space of these pictures is, is known."""
+    """Silence the log: the colour space of these pictures is known."""

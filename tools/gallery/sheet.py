@@ -1,4 +1,4 @@
-"""A contact sheet: captioned panels in rows on white, saved small.
+"""Lay out a contact sheet, captioned panels in rows on white, and save it in a small file.
 
 Text is drawn with the fonts that come in OpenImageIO's wheel, and left out where there are none.
 """
@@ -36,7 +36,7 @@ class Tile:
 
 
 def display(image: Image) -> Bytes:
-    """What a screen shows of an image: colour as sRGB over white, mono and matte as they are. (H, W, 3) uint8."""
+    """Return an image as a screen shows it, (H, W, 3) uint8: colour as sRGB over white, mono and matte as they are."""
     pixels = image.pixels
     if image.type == "color":
         from flowabs_nodes.color import ocio
@@ -48,7 +48,7 @@ def display(image: Image) -> Bytes:
 
 
 def fitted(pixels: Bytes, width: int) -> Bytes:
-    """Made smaller to this width, if it is wider."""
+    """Resize a picture to this width, if it is wider."""
     height, full = pixels.shape[:2]
     if full <= width:
         return pixels
@@ -58,13 +58,13 @@ def fitted(pixels: Bytes, width: int) -> Bytes:
 
 
 def enlarged(pixels: Bytes, box: tuple[int, int, int, int], zoom: int = 1) -> Bytes:
-    """The region (x, y, width, height), each pixel as a square of ``zoom``."""
+    """Return the region (x, y, width, height) with each pixel as a square of ``zoom`` pixels."""
     x, y, width, height = box
     return np.ascontiguousarray(pixels[y : y + height, x : x + width].repeat(zoom, 0).repeat(zoom, 1))
 
 
 def sheet(rows: Sequence[Sequence[Tile]]) -> Bytes:
-    """All panels on one white picture, (H, W, 3) uint8."""
+    """Return all panels on one white picture, (H, W, 3) uint8."""
     heights = [max(tile.pixels.shape[0] + _text_height(tile) for tile in row) for row in rows]
     width = max(sum(tile.pixels.shape[1] + GAP for tile in row) for row in rows) + GAP
     canvas = np.full((sum(heights) + GAP * (len(rows) + 1), width, 3), 255, np.uint8)
@@ -87,7 +87,7 @@ def sheet(rows: Sequence[Sequence[Tile]]) -> Bytes:
 
 
 def wrapped(words: str, width: int, bold: bool = False) -> list[str]:
-    """Lines no wider than ``width`` pixels; what is one word stays whole."""
+    """Wrap text into lines no wider than ``width`` pixels; a word stays whole."""
     lines: list[str] = []
     for word in words.split():
         longer = f"{lines[-1]} {word}" if lines else word
@@ -99,7 +99,7 @@ def wrapped(words: str, width: int, bold: bool = False) -> list[str]:
 
 
 def save(pixels: Bytes, path: Path, limit: int = LIMIT) -> Path:
-    """Write a sheet as PNG if that is small, else as the best JPEG under ``limit`` bytes; gives the file's path."""
+    """Write a sheet as PNG if that is small, else as the best JPEG under ``limit`` bytes; return the file's path."""
     path.parent.mkdir(parents=True, exist_ok=True)
     for old in (path.with_suffix(".png"), path.with_suffix(".jpg")):
         old.unlink(missing_ok=True)
@@ -130,7 +130,7 @@ def _font(bold: bool) -> str:
 
 
 def _written(canvas: Bytes, texts: Sequence[tuple[int, int, str, tuple[int, int, int], bool]]) -> Bytes:
-    """Text on top, ``y`` its base line."""
+    """Draw text on a picture, ``y`` being its base line."""
     buffer = oiio.ImageBuf(canvas)
     for x, y, words, color, bold in texts:
         shade = tuple(value / 255 for value in color)

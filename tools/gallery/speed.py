@@ -1,4 +1,4 @@
-"""Fig. 23, time against kernel radius: ``python -m tools.gallery.speed [--json FILE] [--svg FILE]``.
+"""Measure Fig. 23, time against kernel radius: ``python -m tools.gallery.speed [--json FILE] [--svg FILE]``.
 
 ETF, FDoG and FBL on a 512x512 RGB picture, beside the bilateral filter, full and separable. "Kernel radius" is mu for
 ETF, alpha = beta for FDoG and FBL, and half the window for the bilateral filter. Each radius runs once per round, in
@@ -46,7 +46,7 @@ class Line(NamedTuple):
 
 
 def cases(size: int) -> list[Case]:
-    """The filters of Fig. 23 on a picture of smooth shapes: each alone, on a flow that is there."""
+    """Return the filters of Fig. 23 on a picture of smooth shapes: each alone, with the flow computed beforehand."""
     noise = np.random.default_rng(23).normal(0, 1, (size, size, 3)).astype(np.float32)
     codes = 128 + 900 * filters.blur(noise, 4.0)
     code = np.ascontiguousarray(codes[..., 0])
@@ -67,7 +67,7 @@ def cases(size: int) -> list[Case]:
 
 
 def measure(size: int = 512, radii: Sequence[int] = RADII, repeats: int = 15) -> dict[str, Any]:
-    """Times and fits of all filters, as :func:`main` writes them: seconds, by filter and radius."""
+    """Return times (seconds, by filter and radius) and fits of all filters, as :func:`main` writes them."""
     with bands.limited(1):
         shown = cases(size)
         for case in shown:
@@ -101,7 +101,7 @@ def measure(size: int = 512, radii: Sequence[int] = RADII, repeats: int = 15) ->
 
 
 def fit(radii: Sequence[float], seconds: Sequence[float]) -> Line:
-    """Least squares; R^2 is 1 where every time is the same."""
+    """Fit a line by least squares; R^2 is 1 where all times are the same."""
     x, y = np.asarray(radii, np.float64), np.asarray(seconds, np.float64)
     slope = ((x - x.mean()) * (y - y.mean())).sum() / ((x - x.mean()) ** 2).sum()
     intercept = y.mean() - slope * x.mean()
@@ -111,7 +111,7 @@ def fit(radii: Sequence[float], seconds: Sequence[float]) -> Line:
 
 
 def plot(found: dict[str, Any]) -> str:
-    """The figure as SVG: each radius' least time, the fitted line, the numbers. The full bilateral runs out of it."""
+    """Return the figure as SVG: least times, fitted lines, numbers. The full bilateral's line leaves the plot."""
     width, height, left, top, right, bottom = 860, 500, 70, 64, 280, 60
     radii: list[int] = found["radii"]
     straight = [run for name, run in found["filters"].items() if not name.endswith("full")]
@@ -178,7 +178,7 @@ def plot(found: dict[str, Any]) -> str:
 
 
 def main(arguments: Sequence[str]) -> None:
-    """Measure, print the fits, and write what is asked for."""
+    """Measure, print the fits, and write the files asked for."""
     parser = argparse.ArgumentParser(prog="python -m tools.gallery.speed", description="Fig. 23.")
     parser.add_argument("--json", type=Path, help="file for all numbers")
     parser.add_argument("--svg", type=Path, help="file for the plot")
@@ -198,7 +198,7 @@ def main(arguments: Sequence[str]) -> None:
 
 
 def _sigma(radius: int) -> float:
-    """The sigma whose Gaussian is cut at ``radius``: ceil(3 sigma)."""
+    """Return the sigma whose Gaussian is cut at ``radius``: ceil(3 sigma)."""
     return (radius - 0.01) / 3
 
 

@@ -1,4 +1,4 @@
-"""What the paper claims in each figure, and what there is to see in ours; where it falls short, that too."""
+"""The gallery's texts: the paper's claim in each figure, what our figure shows, and where ours falls short."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from flowabs_nodes.array_types import Array
+from flowabs_nodes.array_types import Array, Int32
 from flowabs_nodes.sampling.exact_sums import exact_sum
 from flowabs_nodes.sampling.tile_cache import (
     COLUMNS,
@@ -55,7 +55,15 @@ def across(planes: Array, flow: Array, taps: npt.NDArray[np.float64]) -> Array:
 
 
 @kernel
-def _across(first: int, last: int, planes: Any, shape: PlanesShape, flow: Any, taps: Any, result: Any) -> bool:
+def _across(
+    first: int,
+    last: int,
+    planes: Array,
+    shape: PlanesShape,
+    flow: npt.NDArray[np.complex64],
+    taps: Array,
+    result: Array,
+) -> bool:
     """Write rows ``first`` .. ``last`` - 1 of H_g (eq. 10); return whether no tangent was too long.
 
     ``planes`` and ``result`` are (C, H, W) float32, ``flow`` (H, W) complex64, all flattened.
@@ -93,7 +101,7 @@ def _across(first: int, last: int, planes: Any, shape: PlanesShape, flow: Any, t
 
 
 @inlined
-def _locate(dx: Any, dy: Any, x: int, y: int, tile: Tile, entries: Any, offsets: Any, k: int) -> None:
+def _locate(dx: Any, dy: Any, x: int, y: int, tile: Tile, entries: Int32, offsets: Array, k: int) -> None:
     """Write where the points (dx, dy) and (-dx, -dy) from the pixels x .. x + 15 of row y are, as the k-th points."""
     left, top = floor(dx), floor(dy)
     store(offsets, 2 * LANES * k, dx - left)
@@ -104,7 +112,7 @@ def _locate(dx: Any, dy: Any, x: int, y: int, tile: Tile, entries: Any, offsets:
 
 
 @inlined
-def _sample_both_sides(lattice: Any, entries: Any, offsets: Any, k: int) -> Any:
+def _sample_both_sides(lattice: npt.NDArray[np.complex64], entries: Int32, offsets: Array, k: int) -> Any:
     """Return the sum of the samples at the k-th points: I(l_x(n)) + I(l_x(-n))."""
     u, v = load(offsets, 2 * LANES * k), load(offsets, 2 * LANES * k + LANES)
     other = sample_lattice(lattice, entries, 2 * LANES * k + LANES, 1.0 - u, 1.0 - v)

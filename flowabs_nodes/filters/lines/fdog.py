@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -86,7 +85,7 @@ class Detector:
     def checked(
         cls, sigma_m: float, sigma_c: float, rho: float, color_weight: float, kernel: str, sampling: str
     ) -> Detector:
-        """Return the filter of parameters that are those of :func:`fdog`; raise ArgumentError for a bad one."""
+        """Return the filter with the parameters of :func:`fdog`; raise ArgumentError for a bad one."""
         sigma_m = validate.number("sigma_m", sigma_m, min=0, max=10_000)
         sigma_c = validate.number("sigma_c", sigma_c, above=0, max=10_000)
         rho = validate.number("rho", rho, min=0, max=2)
@@ -117,7 +116,7 @@ class Detector:
 
 @kernel
 def _join_channels(
-    first: int, last: int, lightness: Any, a: Any, b: Any, is_color: bool, weight: Any, joined: Any
+    first: int, last: int, lightness: Array, a: Array, b: Array, is_color: bool, weight: float, joined: Array
 ) -> None:
     """Join the channels' responses to H = tanh(2 d_L) sqrt(d_L^2 + w^2 (d_a^2 + d_b^2)), w being ``weight``.
 

@@ -72,7 +72,7 @@ def _ramp(paper: float, softness: float) -> tuple[np.float32, np.float32, np.flo
 
 
 @kernel
-def _threshold(first: int, last: int, response: Any, paper: Any, rest: Any, slope: Any, lines: Any) -> Any:
+def _threshold(first: int, last: int, response: Array, paper: float, rest: float, slope: float, lines: Array) -> Any:
     """Draw the blocks ``first`` .. ``last`` - 1 of sixteen pixels; return whether a number is not finite.
 
     ``paper``, ``rest`` and ``slope`` come from :func:`_ramp`.

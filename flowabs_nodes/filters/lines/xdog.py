@@ -7,8 +7,6 @@ rho = p / (1 + p). With this rho, D / (1 + p) is the response H of this package.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import numpy.typing as npt
 
@@ -60,7 +58,7 @@ def xdog_rho(p: float) -> float:
 
 @kernel
 def _xdog(
-    first: int, last: int, response: Any, gain: float, epsilon: float, phi: float, lines: Any, sharpened: Any
+    first: int, last: int, response: Array, gain: float, epsilon: float, phi: float, lines: Array, sharpened: Array
 ) -> None:
     """Write rows ``first`` .. ``last`` - 1 of lines and of D = ``gain`` H, clamped to float32's range."""
     largest = np.float64(np.finfo(np.float32).max)

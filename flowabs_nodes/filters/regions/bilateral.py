@@ -6,7 +6,7 @@ repeats the border, one after the other. All rows together are one 1-D array (:c
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -112,7 +112,7 @@ def _row(y: int, planes: Planes) -> tuple[int, int]:
 
 
 @kernel
-def _to_planes(first: int, last: int, codes: Any, alpha: Any, planes: Planes, picture: Any) -> None:
+def _to_planes(first: int, last: int, codes: Array, alpha: Array, planes: Planes, picture: Array) -> None:
     """Write rows ``first`` .. ``last`` - 1 as planes; pixels whose alpha is 0 or too small to divide by become 0.
 
     ``codes`` is (H, stride, 3) and ``alpha`` (H, stride), both flattened.
@@ -134,7 +134,7 @@ def _to_planes(first: int, last: int, codes: Any, alpha: Any, planes: Planes, pi
 
 
 @inlined
-def _repeat_borders(picture: Any, y: int, planes: Planes) -> None:
+def _repeat_borders(picture: Array, y: int, planes: Planes) -> None:
     """Fill the margins of the four planes of row y with the pixels at the border."""
     row, plane = _row(y, planes)
     for c in range(4):
@@ -143,7 +143,7 @@ def _repeat_borders(picture: Any, y: int, planes: Planes) -> None:
 
 
 @kernel
-def _from_planes(first: int, last: int, picture: Any, codes: Any, planes: Planes, result: Any) -> None:
+def _from_planes(first: int, last: int, picture: Array, codes: Array, planes: Planes, result: Array) -> None:
     """Write the colours of rows ``first`` .. ``last`` - 1 to ``result``; where alpha is 0, those of ``codes``.
 
     ``codes`` and ``result`` are (H, stride, 3), flattened.
@@ -165,12 +165,12 @@ def _from_planes(first: int, last: int, picture: Any, codes: Any, planes: Planes
 def _smooth(
     first: int,
     last: int,
-    picture: Any,
+    picture: Array,
     weights: WeightExponents,
     across: int,
     down: int,
     planes: Planes,
-    smoothed: Any,
+    smoothed: Array,
 ) -> None:
     """Smooth rows ``first`` .. ``last`` - 1 once, over a window of +-``across`` columns and +-``down`` rows."""
     spatial, range_exponent = weights
@@ -197,14 +197,14 @@ def _smooth(
 
 
 @inlined
-def _load_color(picture: Any, i: int, plane: int) -> Color:
+def _load_color(picture: Array, i: int, plane: int) -> Color:
     """Return sixteen pixels, of which the first is at ``i`` in its first plane."""
     return Color(load(picture, i), load(picture, i + plane), load(picture, i + 2 * plane), load(picture, i + 3 * plane))
 
 
 @inlined
 def _add_neighbour(
-    sums: Sums, centre: Color, picture: Any, i: int, plane: int, near: float, range_exponent: float
+    sums: Sums, centre: Color, picture: Array, i: int, plane: int, near: float, range_exponent: float
 ) -> Sums:
     """Return the sums with one more neighbour of each centre; ``near`` is log2 of its spatial weight."""
     added: Sums = add_sample(sums, centre, _load_color(picture, i, plane), near, range_exponent, True)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from flowabs_nodes.array_types import Array
+from flowabs_nodes.array_types import Array, Float64
 from flowabs_nodes.filters.regions.range_weights import (
     Pass,
     Records,
@@ -36,7 +36,7 @@ _BLOCKS, _STEPS = 4, 4
 class Axis(NamedTuple):
     """The direction u of each pixel's line."""
 
-    flow: Any  # (H, stride) complex64, flattened: unit tangents t
+    flow: npt.NDArray[np.complex64]  # (H, stride) complex64, flattened: unit tangents t
     across: bool  # u = (t.y, -t.x), the gradient axis l_x; else u = t
 
 
@@ -87,10 +87,10 @@ def _along_line(
     last: int,
     picture: Records,
     axis: Axis,
-    kappa: Any,
+    kappa: Float64 | None,
     weights: WeightExponents,
-    bilinear: Any,
-    smoothed: Any,
+    bilinear: bool | None,
+    smoothed: Array,
 ) -> None:
     """Smooth rows ``first`` .. ``last`` - 1 by the weighted mean over the points x + s u of each pixel x.
 

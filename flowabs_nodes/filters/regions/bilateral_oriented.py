@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import numpy.typing as npt
 
-from flowabs_nodes.array_types import Array
+from flowabs_nodes.array_types import Array, Float64
 from flowabs_nodes.choices import ORIENTED_KERNELS, SAMPLINGS
 from flowabs_nodes.filters import validate
 from flowabs_nodes.filters.regions.bilateral_line import line_pass
@@ -96,7 +94,7 @@ def curvature(flow: Array) -> npt.NDArray[np.float64]:
 
 
 @kernel
-def _curvature(first: int, last: int, flow: Any, kappa: Any) -> None:
+def _curvature(first: int, last: int, flow: Array, kappa: Float64) -> None:
     """Write rows ``first`` .. ``last`` - 1 of kappa = n . (t . grad) t, n = (-t.y, t.x)."""
     height, width, _ = flow.shape
     for y in range(first, last):
@@ -114,7 +112,7 @@ def _curvature(first: int, last: int, flow: Any, kappa: Any) -> None:
 
 
 @inlined
-def _agreeing(tangent: Any, tx: float, ty: float) -> tuple[float, float]:
+def _agreeing(tangent: Array, tx: float, ty: float) -> tuple[float, float]:
     """Return a tangent (2,), reversed where it disagrees with (tx, ty)."""
     x, y = np.float64(tangent[0]), np.float64(tangent[1])
     return (-x, -y) if x * tx + y * ty < 0 else (x, y)

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import numpy.typing as npt
 
-from flowabs_nodes.array_types import Array
+from flowabs_nodes.array_types import Array, Int32
 from flowabs_nodes.choices import SAMPLINGS
 from flowabs_nodes.filters import validate
 from flowabs_nodes.filters.regions.bilateral_line import line_pass
@@ -133,7 +131,7 @@ def _pass_along(flow: Array, sigma: float, r: float, bilinear: bool, alpha: Arra
 
 @kernel
 def _along_encoded(
-    first: int, last: int, picture: Records, chain: Any, weights: WeightExponents, smoothed: Any
+    first: int, last: int, picture: Records, chain: Int32, weights: WeightExponents, smoothed: Array
 ) -> None:
     """Smooth rows ``first`` .. ``last`` - 1 by eq. 12, over the streamlines of a chain code, sampled nearest.
 
@@ -163,7 +161,13 @@ def _along_encoded(
 
 @kernel
 def _along_flow(
-    first: int, last: int, picture: Records, flow: Any, weights: WeightExponents, bilinear: Any, smoothed: Any
+    first: int,
+    last: int,
+    picture: Records,
+    flow: npt.NDArray[np.complex64],
+    weights: WeightExponents,
+    bilinear: bool | None,
+    smoothed: Array,
 ) -> None:
     """Smooth rows ``first`` .. ``last`` - 1 by eq. 12, over streamlines that are integrated step by step.
 

@@ -7,12 +7,10 @@ merge does not matter. ``size`` (pixels) and ``total`` (sums of colours, (H W, 3
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import numpy.typing as npt
 
-from flowabs_nodes.array_types import Array
+from flowabs_nodes.array_types import Array, Float64, Int64
 from flowabs_nodes.simd.jit import inlined, kernel
 
 
@@ -38,7 +36,7 @@ def flatten_regions(image: Array, covered: npt.NDArray[np.bool_], limit: float, 
 
 
 @kernel
-def _flatten(image: Any, covered: Any, limit: float, min_region: int) -> None:
+def _flatten(image: Array, covered: npt.NDArray[np.bool_], limit: float, min_region: int) -> None:
     """Do the work of :func:`flatten_regions`, on one thread: each round depends on the one before."""
     height, width, _ = image.shape
     count = height * width
@@ -88,7 +86,7 @@ def _flatten(image: Any, covered: Any, limit: float, min_region: int) -> None:
 
 
 @inlined
-def _alike(one: Any, other: Any, limit: float) -> bool:
+def _alike(one: Array, other: Array, limit: float) -> bool:
     """Return whether two colours (3,) differ by at most ``limit``."""
     square = 0.0
     for c in range(3):
@@ -97,7 +95,7 @@ def _alike(one: Any, other: Any, limit: float) -> bool:
 
 
 @inlined
-def _root(parent: Any, i: int) -> int:
+def _root(parent: Int64, i: int) -> int:
     """Return the root of pixel i, and shorten the way to it (path halving)."""
     while parent[i] != i:
         parent[i] = parent[parent[i]]
@@ -106,14 +104,14 @@ def _root(parent: Any, i: int) -> int:
 
 
 @inlined
-def _union(parent: Any, i: int, j: int) -> None:
+def _union(parent: Int64, i: int, j: int) -> None:
     """Merge the regions of the pixels i and j; the smaller root stays a root."""
     i, j = _root(parent, i), _root(parent, j)
     parent[max(i, j)] = min(i, j)
 
 
 @inlined
-def _add(parent: Any, i: int, colour: Any, size: Any, total: Any) -> None:
+def _add(parent: Int64, i: int, colour: Array, size: Int64, total: Float64) -> None:
     """Count pixel i and its colour in its region."""
     root = _root(parent, i)
     size[root] += 1
@@ -122,7 +120,7 @@ def _add(parent: Any, i: int, colour: Any, size: Any, total: Any) -> None:
 
 
 @inlined
-def _compare(a: int, b: int, size: Any, total: Any, min_region: int, nearest: Any, distance: Any) -> None:
+def _compare(a: int, b: int, size: Int64, total: Float64, min_region: int, nearest: Int64, distance: Float64) -> None:
     """Note for two regions that touch, with roots a and b, that each may be the nearest neighbour of the other.
 
     Only small regions have their nearest neighbour noted.

@@ -52,7 +52,7 @@ def quantize(lstar: npt.ArrayLike, levels: int = 8, softness: float = 0.0) -> Ar
 
 
 @kernel
-def _quantize(first: int, last: int, lstar: Any, steps: Steps, flat: Any) -> Any:
+def _quantize(first: int, last: int, lstar: Array, steps: Steps, flat: Array) -> Any:
     """Quantise the blocks ``first`` .. ``last`` - 1 of sixteen pixels; return whether a number is not finite."""
     total = splat_floats(0.0)
     for block in range(first, last):

@@ -35,16 +35,16 @@ Pass = Callable[[Array, Array], Any]
 class Records(NamedTuple):
     """A picture to be smoothed, as one argument of a compiled kernel."""
 
-    values: Any  # the 1-D array of records
+    values: Array  # the 1-D array of records
     raster: Raster
-    alpha: Any  # True where the records hold alpha, None where they do not
+    alpha: bool | None  # True where the records hold alpha, None where they do not
 
 
 class WeightExponents(NamedTuple):
     """The logarithms to base 2 of the two kernels' weights, so that their product is one power of two."""
 
-    spatial: Any  # (steps + 1,) float32: log2 G(s) of s = 0, 1 .. steps
-    range: Any  # float32: log2 h per squared colour difference
+    spatial: Array  # (steps + 1,) float32: log2 G(s) of s = 0, 1 .. steps
+    range: np.float32  # float32: log2 h per squared colour difference
 
 
 def weight_exponents(sigma: float, r: float) -> WeightExponents:
@@ -95,7 +95,7 @@ def run_passes(picture: Array, raster: Raster, passes: list[Pass], iterations: i
 
 
 @kernel
-def _interleave_alpha(first: int, last: int, codes: Any, alpha: Any, raster: Raster, picture: Any) -> None:
+def _interleave_alpha(first: int, last: int, codes: Array, alpha: Array, raster: Raster, picture: Array) -> None:
     """Write rows ``first`` .. ``last`` - 1 of records of four; an alpha that is too small to divide by becomes 0.
 
     ``codes`` is (H, stride, 3) and ``alpha`` (H, stride), both flattened.
@@ -109,7 +109,7 @@ def _interleave_alpha(first: int, last: int, codes: Any, alpha: Any, raster: Ras
 
 
 @kernel
-def _drop_alpha(first: int, last: int, picture: Any, raster: Raster, codes: Any) -> None:
+def _drop_alpha(first: int, last: int, picture: Array, raster: Raster, codes: Array) -> None:
     """Write the colours of rows ``first`` .. ``last`` - 1 of records of four to ``codes``, (H, stride, 3) flattened."""
     for y in range(first, last):
         for x in range(0, raster.stride, LANES):
@@ -143,13 +143,13 @@ class Sums(NamedTuple):
 
 
 @inlined
-def record_size(alpha: Any) -> int:
+def record_size(alpha: bool | None) -> int:
     """Return the number of floats in a record."""
     return 3 if alpha is None else 4
 
 
 @inlined
-def load_color(picture: Any, pixel: int, alpha: Any) -> Color:
+def load_color(picture: Array, pixel: int, alpha: bool | None) -> Color:
     """Return the colours of ``pixel`` and of the fifteen pixels after it."""
     if alpha is None:
         l, a, b = load_triples(picture, 3 * pixel)  # noqa: E741
@@ -167,7 +167,7 @@ def start_sums(centre: Color) -> Sums:
 
 @inlined
 def add_sample(
-    sums: Sums, centre: Color, there: Color, spatial_exponent: float, range_exponent: float, alpha: Any
+    sums: Sums, centre: Color, there: Color, spatial_exponent: float, range_exponent: float, alpha: bool | None
 ) -> Sums:
     """Return the sums with one more sample of each centre, weighted by alpha G(s) h.
 
@@ -181,7 +181,7 @@ def add_sample(
 
 
 @inlined
-def store_sums(memory: Any, k: int, sums: Sums) -> None:
+def store_sums(memory: Array, k: int, sums: Sums) -> None:
     """Write sums to scratch memory (float32), as the k-th of several; :func:`load_sums` returns them."""
     at = 4 * LANES * k
     store(memory, at, sums.l)
@@ -191,14 +191,14 @@ def store_sums(memory: Any, k: int, sums: Sums) -> None:
 
 
 @inlined
-def load_sums(memory: Any, k: int) -> Sums:
+def load_sums(memory: Array, k: int) -> Sums:
     """Return the k-th sums that :func:`store_sums` wrote to ``memory``."""
     at = 4 * LANES * k
     return Sums(load(memory, at), load(memory, at + LANES), load(memory, at + 2 * LANES), load(memory, at + 3 * LANES))
 
 
 @inlined
-def store_mean(sums: Sums, centre: Color, smoothed: Any, pixel: int, alpha: Any) -> None:
+def store_mean(sums: Sums, centre: Color, smoothed: Array, pixel: int, alpha: bool | None) -> None:
     """Write the weighted means of sixteen pixels, from ``pixel`` on; where alpha is 0 the colour stays the centre's."""
     over = 1.0 / sums.weight
     if alpha is not None:
