@@ -83,7 +83,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def script() -> NoReturn:
     """Run the command that the process was started with, and end the process."""
-    gc.set_threshold(10_000)  # imports and compilation make many objects, and hardly any of them garbage
+    gc.set_threshold(50_000)  # imports and compilation make many objects, and hardly any of them garbage
     code = main()
     others = (thread for thread in threading.enumerate() if thread is not threading.main_thread())
     if not all(thread.daemon or thread.name.startswith("flowabs") for thread in others):

@@ -68,8 +68,9 @@ def objection(place: Place) -> str:
         return f"{place.folder} is damaged"
     if os.name == "nt":
         return ""
-    named = False  # past the folder that was named
-    for folder in (place.folder, *place.folder.parents):
+    own, last = place.folder.resolve(), place.named.resolve()
+    named = False  # above the folder that was named
+    for folder in (own, *own.parents):
         try:
             status = folder.stat()
         except FileNotFoundError:
@@ -79,9 +80,9 @@ def objection(place: Place) -> str:
         shared = status.st_mode & (stat.S_IWOTH if named else stat.S_IWOTH | stat.S_IWGRP)
         if not named and status.st_uid not in (0, os.geteuid()):
             return f"{folder} belongs to another user"
-        if shared and (folder == place.folder or not status.st_mode & stat.S_ISVTX):
+        if shared and (folder == own or not status.st_mode & stat.S_ISVTX):
             return f"others can write to {folder}"
-        named = named or folder == place.named
+        named = named or folder == last
     return ""
 
 
@@ -99,9 +100,12 @@ def writable(suffix: str = "") -> Path | None:
     for named, folder in places():
         place = Place(named, folder.with_name(f"{folder.name}-{suffix}") if suffix else folder)
         try:
-            problem = objection(place) or _make(place.folder, 0o700 if suffix else 0o755) or objection(place)
-            if not problem and not os.access(place.folder, os.W_OK):
-                problem = f"{place.folder} is read-only"
+            problem = objection(place)
+            if not problem:
+                _make(place.folder, 0o700 if suffix else 0o755)
+                problem = objection(place) or (
+                    "" if os.access(place.folder, os.W_OK) else f"{place.folder} is read-only"
+                )
         except OSError as error:
             problem = str(error)
         if not problem:
@@ -135,19 +139,26 @@ def set_aside(folder: Path, problem: BaseException) -> None:
     )
 
 
-def _make(folder: Path, mode: int) -> str:
+def _make(folder: Path, mode: int) -> None:
     """Make a folder, and those above it, for the user alone to write to; remove former versions beside it."""
-    if not folder.exists():
-        for each in reversed((folder, *folder.parents)):
-            if not each.exists():
-                each.mkdir(mode if each == folder else 0o755, exist_ok=True)
-        _sweep(folder)
-    return ""
+    if folder.exists():
+        return
+    for each in reversed((folder, *folder.parents)):
+        if not each.exists():
+            each.mkdir(mode if each == folder else 0o755, exist_ok=True)
+    _sweep(folder)
 
 
 def _sweep(new: Path) -> None:
     """Remove folders of former versions, but for the latest."""
     others = [folder for folder in new.parent.glob("kernels-*") if folder != new]
-    others.sort(key=lambda folder: folder.stat().st_mtime)
+    others.sort(key=_last_changed)
     for old in others[:-KEPT]:
         shutil.rmtree(old, ignore_errors=True)
+
+
+def _last_changed(folder: Path) -> float:
+    try:
+        return folder.stat().st_mtime
+    except OSError:  # another process has removed it
+        return 0.0

@@ -21,18 +21,16 @@ _system: Any = importlib.import_module("msvcrt" if sys.platform == "win32" else 
 _held: dict[Path, int] = {}  # file descriptors of this process's turns
 
 
-def take(file: Path) -> bool:
-    """Wait for the turn that ``file`` stands for; return whether somebody else had it meanwhile."""
+def take(file: Path) -> None:
+    """Wait for the turn that ``file`` stands for, but not for ever."""
     give(file)  # of a compilation that failed
     try:
         fd = os.open(file, os.O_RDWR | os.O_CREAT, 0o644)
-    except OSError:
-        return False
+    except OSError:  # a folder that has just been moved away
+        return
     end = time.monotonic() + PATIENCE
-    waited = False
     try:
         while not _lock(fd) and time.monotonic() < end:
-            waited = True
             time.sleep(_STEP)
     except OSError:  # a file system without locks
         os.close(fd)
@@ -41,7 +39,6 @@ def take(file: Path) -> bool:
         raise
     else:
         _held[file] = fd
-    return waited
 
 
 def give(file: Path) -> None:

@@ -31,7 +31,8 @@ def kept(function: Callable[..., Any], **options: Any) -> Any:
     if numba_internals.available(dispatcher):
         dispatcher._cache = OneFileEach(function)
         return dispatcher
-    folder = cache_folder.writable(f"numba-{source_times()}")
+    suffix = f"numba-{source_times()}"
+    folder = cache_folder.writable(suffix)
     if folder is None or not os.path.exists(function.__code__.co_filename):  # numba would not see what changes in a zip
         return dispatcher
     before, config.CACHE_DIR = config.CACHE_DIR, str(folder)
@@ -40,14 +41,15 @@ def kept(function: Callable[..., Any], **options: Any) -> Any:
     finally:
         config.CACHE_DIR = before
     if hasattr(dispatcher, "_cache"):
-        dispatcher._cache = NumbasOwn(function, dispatcher._cache, folder)
+        dispatcher._cache = NumbasOwn(function, dispatcher._cache, suffix)
     return dispatcher
 
 
 class KernelCache:
     """What numba asks for the compiled code of one function, and gives it to. Never raises."""
 
-    def __init__(self, function: Callable[..., Any]) -> None:
+    def __init__(self, function: Callable[..., Any], suffix: str = "") -> None:
+        self._suffix = suffix  # of the folder
         name = f"{function.__module__.removeprefix(f'{PACKAGE}.')}.{function.__qualname__}"
         self.name = name.replace("<locals>.", "")
 
@@ -61,13 +63,14 @@ class KernelCache:
         found = self._load(sig, context)
         if found is not None:
             return found
-        if (turn := self._turn(sig)) is not None and compile_turn.take(turn):
-            found = self._load(sig, context)
-        if found is None:
-            compile_hooks.tell()
-        elif turn is not None:
-            compile_turn.give(turn)
-        return found
+        if (turn := self._turn(sig)) is not None:
+            compile_turn.take(turn)
+            found = self._load(sig, context)  # somebody else may have compiled it meanwhile
+            if found is not None:
+                compile_turn.give(turn)
+                return found
+        compile_hooks.tell()
+        return None
 
     def save_overload(self, sig: Any, compiled: Any) -> None:
         """Keep a kernel that was compiled just now."""
@@ -89,7 +92,7 @@ class KernelCache:
 
     def _turn(self, sig: Any) -> Path | None:
         """The file whose lock says who compiles."""
-        folder = cache_folder.writable()
+        folder = cache_folder.writable(self._suffix)
         signature = hashlib.sha256(str(sig).encode()).hexdigest()[:8]
         return folder / f"{self.name}-{signature}.turn" if folder is not None else None
 
@@ -139,15 +142,16 @@ class OneFileEach(KernelCache):
 class NumbasOwn(KernelCache):
     """numba's own cache in a folder of ours."""
 
-    def __init__(self, function: Callable[..., Any], own: Any, folder: Path) -> None:
-        super().__init__(function)
-        self._own, self._folder = own, folder
+    def __init__(self, function: Callable[..., Any], own: Any, suffix: str) -> None:
+        super().__init__(function, suffix)
+        self._own = own
 
     def _load(self, sig: Any, context: Any) -> Any:
         try:
             return self._own.load_overload(sig, context)
         except Exception as problem:  # noqa: BLE001 - a damaged pickle may raise anything
-            cache_folder.set_aside(self._folder, problem)
+            if (folder := cache_folder.writable(self._suffix)) is not None:
+                cache_folder.set_aside(folder, problem)
             return None
 
     def _save(self, sig: Any, compiled: Any) -> None:

@@ -11,6 +11,7 @@ import os
 import pickle
 import sys
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -62,6 +63,7 @@ def _package() -> Traversable:
     return files(PACKAGE)
 
 
+@cache
 def source_times() -> str:
     """Return 8 hexadecimal digits for the times of the sources, by which numba 0.60's own cache knows them."""
     files = sorted(Path(__file__).parents[1].rglob("*.py"))
