@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 from flowabs_nodes import filters
 from flowabs_nodes.choices import ETF_KERNELS
+from flowabs_nodes.filters import halo
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.common_params import GROUND, SPACE, sampling
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
+from flowabs_nodes.nodes.regions import pixelwise, within
 
 
 def _reference_problem(value: Any) -> str | None:
@@ -46,9 +49,17 @@ def run_etf(
     return image.with_pixels(flow, "flow")
 
 
+def _etf_halo(params: Mapping[str, Any]) -> int | None:
+    if params["fill"] is not None or params["adaptive"] or isinstance(params["gradient_reference"], str):
+        return None
+    return halo.etf(params["radius"], params["iterations"], params["pre_blur"])
+
+
 ETF = Node(
     type="etf",
     version=1,
+    label="Edge tangent flow",
+    category="flow",
     help="Edge tangent flow: a smooth field of directions along the picture's edges.",
     doc=(
         "Section 2 of the paper, eqs. 1-5. Each tangent becomes the mean of those around it, weighted towards strong "
@@ -124,6 +135,7 @@ ETF = Node(
         SPACE,
     ),
     run=run_etf,
+    region=within(_etf_halo, "image"),
 )
 
 
@@ -134,6 +146,8 @@ def run_lic(context: Context, flow: Image, *, length: float, seed: int, contrast
 LIC = Node(
     type="lic",
     version=1,
+    label="Line integral convolution",
+    category="flow",
     help="Line integral convolution: shows a flow as streaks of noise.",
     doc="How the paper shows its flows (Fig. 3): white noise, averaged over round(length / 2) steps along it each way.",
     inputs=(Port("flow", "flow", "The flow to show."),),
@@ -156,12 +170,15 @@ def run_flow_color(context: Context, flow: Image) -> Image:
 FLOW_COLOR = Node(
     type="flow_color",
     version=1,
+    label="Flow as colour",
+    category="flow",
     help="Shows a flow's orientation as colour.",
     doc="As in the paper's Fig. 5: each orientation has its own RGB, 0 to 1; opposite tangents look the same.",
     inputs=(Port("flow", "flow", "The flow to show."),),
     outputs=(Port("image", "color", "Orientation as RGB; grey where the flow is zero."),),
     params=(),
     run=run_flow_color,
+    region=pixelwise("flow"),
 )
 
 
@@ -169,9 +186,15 @@ def run_flow_blur(context: Context, image: Image, flow: Image, *, sigma: float, 
     return image.with_pixels(filters.flow_blur(image.pixels, flow.pixels, sigma=sigma, sampling=sampling))
 
 
+def _flow_blur_halo(params: Mapping[str, Any]) -> int:
+    return halo.flow_blur(params["sigma"])
+
+
 FLOW_BLUR = Node(
     type="flow_blur",
     version=1,
+    label="Blur along the flow",
+    category="flow",
     help="Gaussian blur along the flow: smooths edges lengthwise and leaves them sharp across.",
     doc="On lines it is anti-aliasing along the stroke. Works on premultiplied RGBA.",
     inputs=(
@@ -184,4 +207,5 @@ FLOW_BLUR = Node(
         sampling("bilinear"),
     ),
     run=run_flow_blur,
+    region=within(_flow_blur_halo, "image", "flow"),
 )

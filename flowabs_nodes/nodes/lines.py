@@ -5,7 +5,7 @@ Each draws in one of two forms: the paper's eqs. 8 and 9, or XDoG's.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
@@ -14,9 +14,11 @@ import numpy as np
 from flowabs_nodes import filters
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.choices import FDOG_KERNELS, FORMS
+from flowabs_nodes.filters import halo
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.common_params import GROUND, SPACE, sampling
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
+from flowabs_nodes.nodes.regions import within
 
 IMAGE = Port("image", "color", "The picture to draw.")
 FLOW = Port("flow", "flow", "The flow that lines follow.")
@@ -210,15 +212,22 @@ def run_dog(context: Context, image: Image, *, ground: float, space: str, **dog:
     return outputs(image, *draw(partial(filters.dog, code), **dog))
 
 
+def _dog_halo(params: Mapping[str, Any]) -> int:
+    return halo.dog(params["sigma_c"])
+
+
 DOG = Node(
     type="dog",
     version=1,
+    label="DoG lines",
+    category="compare",
     help="Lines by isotropic difference of Gaussians: what FDoG is compared with.",
     doc="Winnemoeller's edge model [38], which follows no flow. Response: eq. 8 in two dimensions; lines: eq. 9.",
     inputs=(IMAGE,),
     outputs=(LINES, RESPONSE),
     params=(FORM, *DIFFERENCE, *THRESHOLD, *XDOG, GROUND, SPACE),
     run=run_dog,
+    region=within(_dog_halo, "image"),
 )
 
 
@@ -239,9 +248,15 @@ def run_fdog(
     return outputs(image, smoothed(lines, flow, smooth, fdog["sampling"]), response)
 
 
+def _fdog_halo(params: Mapping[str, Any]) -> int:
+    return halo.fdog(params["sigma_m"], params["sigma_c"]) + halo.flow_blur(params["smooth"])
+
+
 FDOG = Node(
     type="fdog",
     version=1,
+    label="FDoG lines",
+    category="lines",
     help="Lines by flow-based difference of Gaussians.",
     doc=(
         "Section 3.1, eqs. 6-11: a difference of Gaussians across the flow, gathered along it, so that true edges add "
@@ -251,6 +266,7 @@ FDOG = Node(
     outputs=(LINES, RESPONSE),
     params=(FORM, SIGMA_M, *DIFFERENCE, *THRESHOLD, *XDOG, *ALONG_FLOW),
     run=run_fdog,
+    region=within(_fdog_halo, "image", "flow"),
 )
 
 
@@ -271,9 +287,16 @@ def run_fdog_iterative(
     return outputs(image, smoothed(lines, flow, smooth, fdog_iterative["sampling"]), response)
 
 
+def _fdog_iterative_halo(params: Mapping[str, Any]) -> int:
+    passes = halo.fdog_iterative(params["sigma_m"], params["sigma_c"], params["iterations"], params["pre_blur"])
+    return passes + halo.flow_blur(params["smooth"])
+
+
 FDOG_ITERATIVE = Node(
     type="fdog_iterative",
     version=1,
+    label="FDoG lines, iterative",
+    category="lines",
     help="FDoG in several passes, each drawn over the picture for the next: harder, longer, more connected lines.",
     doc=(
         "Section 3.2: the ink of the last pass is laid over the original, the flow stays, and FDoG runs again. "
@@ -300,4 +323,5 @@ FDOG_ITERATIVE = Node(
         *ALONG_FLOW,
     ),
     run=run_fdog_iterative,
+    region=within(_fdog_iterative_halo, "image", "flow"),
 )

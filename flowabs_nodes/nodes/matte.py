@@ -9,6 +9,7 @@ from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ArgumentError, nearest
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
+from flowabs_nodes.nodes.regions import pixelwise
 
 LUMINANCE = "luminance"
 
@@ -40,6 +41,8 @@ def run_matte(context: Context, image: Image, *, channel: str, low: float, high:
 MATTE = Node(
     type="matte",
     version=1,
+    label="Matte of a channel",
+    category="utility",
     help="Makes a matte of one channel: alpha, luminance, depth, or any other.",
     doc=(
         "What a roto shape, a render's alpha or a depth pass needs to serve as the mask of another node. low becomes 0 "
@@ -58,4 +61,5 @@ MATTE = Node(
         Param.float("high", 1.0, min=-1e30, max=1e30, soft=(0, 1), help="Value that becomes 1."),
     ),
     run=run_matte,
+    region=pixelwise("image"),
 )

@@ -66,6 +66,8 @@ def run_read(
 READ = Node(
     type="read",
     version=1,
+    label="Read",
+    category="io",
     help=f"A plate from {formats.listed(formats.ALL)}: scene-linear, premultiplied colour.",
     inputs=(),
     outputs=(Port("image", "color", "R, G, B and, where the file has it, A; a grey plate is colour with R = G = B."),),
@@ -109,6 +111,8 @@ def run_read_aov(context: Context, *, file: str, layer: str, part: str | int, mi
 READ_AOV = Node(
     type="read_aov",
     version=1,
+    label="Read AOV",
+    category="io",
     help="An AOV such as depth, normals or ids: numbers as they are in the file, never colour-converted or clamped.",
     inputs=(),
     outputs=(Port("data", "data", "The layer's channels, under their own names."),),

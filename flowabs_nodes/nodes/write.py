@@ -58,6 +58,8 @@ def run_write(
 WRITE = Node(
     type="write",
     version=1,
+    label="Write",
+    category="io",
     help=f"Writes a frame as {formats.listed(formats.WRITABLE)}: whole, or not at all.",
     inputs=(Port("image", "any", "The picture. A mono or matte is written as R = G = B."),),
     outputs=(),
