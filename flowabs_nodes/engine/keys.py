@@ -77,8 +77,8 @@ def node_key(
 ) -> str:
     """Compute the key of one node, in hexadecimal; the order of its parameters and inputs does not matter.
 
-    ``params`` are checked, lengths not scaled; one that the others disable counts as its default. ``inputs`` are plain data that name each input's key and output; the
-    others are as for :func:`unit_keys`.
+    ``params`` are checked, lengths not scaled; one that the others disable counts as its default. ``inputs`` are plain
+    data that name each input's key and output; the others are as for :func:`unit_keys`.
     """
     touches_files = declaration.file_param is not None
     return _digest(

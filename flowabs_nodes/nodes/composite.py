@@ -71,6 +71,7 @@ COMPOSITE = Node(
             "space",
             "linear",
             MIXING_SPACES,
+            label="Mix in",
             help="Where ink and picture mix: in light, or in code values.",
         ),
     ),

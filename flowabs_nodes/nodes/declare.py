@@ -209,6 +209,13 @@ class Node:
         """Return the parameter that names the file of a node that reads or writes one; None for all other nodes."""
         return next((param for param in self.params if param.kind == "file"), None)
 
+    def sections(self) -> dict[str, list[Param]]:
+        """Return every parameter by its section of a panel, ``group``; the sections in order of their first one."""
+        found: dict[str, list[Param]] = {}
+        for param in self.all_params.values():
+            found.setdefault(param.group, []).append(param)
+        return found
+
     def is_enabled(self, name: str, params: Mapping[str, Any]) -> bool:
         """Return whether the parameter ``name`` does something beside ``params``; what they lack is at its default."""
         declared = self.all_params

@@ -76,15 +76,23 @@ ETF = Node(
             max=500,
             soft=(2, 15),
             unit="px",
+            group="Kernel",
             help="Radius of the kernel (mu, eq. 2): larger is smoother.",
         ),
         Param.int(
-            "iterations", 3, min=0, max=100, soft=(1, 5), help="How many times the field is smoothed (section 2.3)."
+            "iterations",
+            3,
+            min=0,
+            max=100,
+            soft=(1, 5),
+            group="Kernel",
+            help="How many times the field is smoothed (section 2.3).",
         ),
         Param.enum(
             "kernel",
             "full",
             ETF_KERNELS,
+            group="Kernel",
             help="The exact disc, or a pass along x and one along y in each iteration (section 2.4).",
         ),
         Param.float(
@@ -94,6 +102,8 @@ ETF = Node(
             max=200,
             soft=(0, 4),
             unit="px",
+            label="Blur before",
+            group="Gradient",
             help="Gaussian blur of the picture before its gradient: against noise, and to join isolated points.",
         ),
         Param.custom(
@@ -109,6 +119,7 @@ ETF = Node(
             parse=_reference_problem,
             scales=-1,
             unit="code values/px",
+            group="Gradient",
             help='Gradient that counts as full strength: "max" of the frame, a percentile such as "p99.5", '
             "or a number, the same on every frame of a shot.",
         ),
@@ -120,16 +131,23 @@ ETF = Node(
             soft=(0, 8),
             unit="code values/px",
             nullable=True,
+            label="Fill below",
+            group="Gradient",
             help="Where the gradient is weaker than this, the direction leans on its surroundings; "
             "0 fills just what has no gradient at all, null leaves holes (the paper to the letter).",
         ),
         Param.bool(
             "adaptive",
             False,
+            group="Kernel",
             help="A smaller kernel where texture is smaller than it: small shapes survive a large radius (section 6).",
         ),
         Param.bool(
-            "color", False, help="Follow edges of lightness and colour together; false is lightness alone (the paper)."
+            "color",
+            False,
+            label="Follow colour",
+            group="Gradient",
+            help="Follow edges of lightness and colour together; false is lightness alone (the paper).",
         ),
         GROUND,
         SPACE,
@@ -203,7 +221,16 @@ FLOW_BLUR = Node(
     ),
     outputs=(Port("image", "=image", "The blurred image."),),
     params=(
-        Param.float("sigma", 2.0, min=0, max=500, soft=(0, 10), unit="px", help="Standard deviation along the flow."),
+        Param.float(
+            "sigma",
+            2.0,
+            min=0,
+            max=500,
+            soft=(0, 10),
+            unit="px",
+            label="Sigma along the flow",
+            help="Standard deviation along the flow.",
+        ),
         sampling("bilinear"),
     ),
     run=run_flow_blur,

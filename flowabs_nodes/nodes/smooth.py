@@ -62,7 +62,15 @@ FBL = Node(
     outputs=(Port("image", "color", "The smoothed picture."),),
     params=(
         Param.float(
-            "sigma_e", 2.0, min=0, max=200, soft=(0, 10), unit="px", help="Gaussian along the flow; 0 leaves it out."
+            "sigma_e",
+            2.0,
+            min=0,
+            max=200,
+            soft=(0, 10),
+            unit="px",
+            label="Sigma along",
+            group="Along the flow",
+            help="Gaussian along the flow; 0 leaves it out.",
         ),
         Param.float(
             "r_e",
@@ -72,10 +80,20 @@ FBL = Node(
             above=True,
             soft=(1, 100),
             unit="code values",
+            label="Colour range along",
+            group="Along the flow",
             help="Difference of colour that still counts as alike along the flow: higher loses more small edges.",
         ),
         Param.float(
-            "sigma_g", 0.5, min=0, max=200, soft=(0, 5), unit="px", help="Gaussian across the flow; 0 leaves it out."
+            "sigma_g",
+            0.5,
+            min=0,
+            max=200,
+            soft=(0, 5),
+            unit="px",
+            label="Sigma across",
+            group="Across the flow",
+            help="Gaussian across the flow; 0 leaves it out.",
         ),
         Param.float(
             "r_g",
@@ -85,6 +103,8 @@ FBL = Node(
             above=True,
             soft=(1, 100),
             unit="code values",
+            label="Colour range across",
+            group="Across the flow",
             help="Difference of colour that still counts as alike across the flow.",
         ),
         Param.int("iterations", 5, min=0, max=100, soft=(1, 10), help="How many times both passes run."),

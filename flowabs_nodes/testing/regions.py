@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from itertools import combinations
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -87,7 +87,7 @@ def _compare(node: Node, scene: str, kinds: Mapping[str, PortType], settings: Se
     reach = _reach(node, settings) or 0
     height, width = min(2 * reach, _LARGE) + 18, min(2 * reach, _LARGE) + 21
     inputs = inputs_of(node, scene, height, width)
-    inputs |= {name: make_input(cast(PortType, kind), scene, height, width) for name, kind in kinds.items()}
+    inputs |= {name: make_input(kind, scene, height, width) for name, kind in kinds.items()}
     if mask:
         inputs[MASK.name] = make_input("matte", scene, height, width)
     whole = next(iter(inputs.values())).data_window
@@ -108,7 +108,7 @@ def _compare(node: Node, scene: str, kinds: Mapping[str, PortType], settings: Se
 
 
 def _windows(whole: Window) -> Iterator[Window]:
-    """Yield windows of a picture: its corners, a pixel, a row, a column, odd ones inside and at the edges, all of it."""
+    """Yield windows of a picture: all of it, corners, a pixel, a row, a column, odd ones inside and at the edges."""
     x, y, width, height = whole
     right, bottom = x + width, y + height
     yield whole
