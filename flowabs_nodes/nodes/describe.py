@@ -143,7 +143,8 @@ def _json(value: Any) -> str:
 
 def _wrapped(text: str, indent: int, first: str | None = None) -> list[str]:
     initial = " " * indent if first is None else first
-    return textwrap.wrap(text, WIDTH, initial_indent=initial, subsequent_indent=" " * indent) or [initial.rstrip()]
+    lines = textwrap.wrap(text, WIDTH, initial_indent=initial, subsequent_indent=" " * indent, break_on_hyphens=False)
+    return lines or [initial.rstrip()]
 
 
 def _cell(text: str) -> str:
