@@ -5,9 +5,11 @@ import dataclasses
 import numpy as np
 import pytest
 
+from flowabs_nodes import filters
 from flowabs_nodes.errors import ArgumentError
-from flowabs_nodes.image import Image
+from flowabs_nodes.image import Image, Window
 from flowabs_nodes.nodes.declare import Node, Param, Port
+from flowabs_nodes.nodes.regions import pixelwise, within
 from flowabs_nodes.testing import ComplianceError, check_node, compliance_checks
 from flowabs_nodes.testing.parameters import alternatives
 
@@ -78,6 +80,17 @@ def crashes_on_nan(context, image):
     return image.with_pixels(image.pixels * 2)
 
 
+def blurred_in(region):
+    """Return a node that blurs over three pixels to each side and declares this region."""
+    return without_params(lambda context, image: image.with_pixels(filters.blur(image.pixels, 1.0)), region=region)
+
+
+def conditional(switch, values):
+    """Return GAIN, whose gain says that it does something beside some values of another parameter only."""
+    gain = dataclasses.replace(GAIN.params[0], enabled_when={switch: values})
+    return dataclasses.replace(GAIN, params=(gain, *GAIN.params[1:]))
+
+
 MATTE = Port("image", "matte", "A matte.")
 
 BAD = [
@@ -92,6 +105,13 @@ BAD = [
     ("takes_small_pictures", without_params(breaks_on_one_pixel)),
     ("runs_with_defaults", without_params(moves)),
     ("mode_changes_the_picture", with_run(lambda context, image, *, gain, mode, keep: image)),
+    ("works_on_a_region", blurred_in(pixelwise("image"))),
+    ("works_on_a_region", blurred_in(within(lambda params: 2, "image"))),
+    ("works_on_a_region", blurred_in(lambda params, window: {"picture": window})),
+    ("works_on_a_region", blurred_in(lambda params, window: {"image": Window(10**6, 0, 1, 1)})),
+    ("works_on_a_region", without_params(spreads_nan, region=pixelwise("image"))),
+    ("gain_does_nothing_where_disabled", conditional("mode", ("times",))),
+    ("is_documented", dataclasses.replace(GAIN, label=" Gain")),
     (
         "keep_changes_the_picture",
         with_run(lambda context, image, **params: run_gain(context, image, **params | {"keep": 0})),
@@ -114,6 +134,21 @@ def test_a_node_may_refuse_bad_pixels():
 
     checks = {check.name: check for check in compliance_checks(with_run(run))}
     checks["survives_nan_and_inf"]()
+
+
+@pytest.mark.parametrize("region", [within(lambda params: 3, "image"), lambda params, window: {}])
+def test_a_region_may_be_exact_or_larger(region):
+    {check.name: check for check in compliance_checks(blurred_in(region))}["works_on_a_region"]()
+
+
+def test_a_condition_that_holds_is_fine_and_enables_what_it_needs():
+    def run(context, image, *, gain, mode, keep):
+        return run_gain(context, image, gain=gain if mode == "over" else 2.0, mode=mode, keep=keep)
+
+    node = dataclasses.replace(conditional("mode", ("over",)), run=run)
+    checks = {check.name: check for check in compliance_checks(node)}
+    for name in ("gain_does_nothing_where_disabled", "gain_changes_the_key", "gain_changes_the_picture"):
+        checks[name]()
 
 
 def test_a_parameter_that_matters_only_beside_others_is_found():

@@ -1,7 +1,8 @@
 """Names results by keys: the same key means the same picture, on any machine, on any day.
 
-A node's key is a hash of its type and version, the version of the package it comes from, its parameters, and the keys
-of its inputs; where it reads a file, of the file's content instead of its name. No filter has to run to know it.
+A node's key is a hash of its type and version, the version of the package it comes from, the parameters that do
+something beside each other, and the keys of its inputs; where it reads a file, of the file's content instead of its
+name. No filter has to run to know it.
 """
 
 from __future__ import annotations
@@ -76,8 +77,8 @@ def node_key(
 ) -> str:
     """Compute the key of one node, in hexadecimal; the order of its parameters and inputs does not matter.
 
-    ``params`` are checked, lengths not scaled; ``inputs`` are plain data that name each input's key and output; the
-    others are as for :func:`unit_keys`.
+    ``params`` are checked, lengths not scaled; one that the others disable counts as its default. ``inputs`` are plain
+    data that name each input's key and output; the others are as for :func:`unit_keys`.
     """
     touches_files = declaration.file_param is not None
     return _digest(
@@ -85,7 +86,7 @@ def node_key(
             "type": declaration.name,
             "package": package_version(str(declaration.run.__module__).partition(".")[0]),
             "params": {
-                param.name: _exact(params[param.name])
+                param.name: _exact(params[param.name] if declaration.is_enabled(param.name, params) else param.default)
                 for param in declaration.all_params.values()
                 if param.in_key and param.kind != "file" and param.name in params
             },

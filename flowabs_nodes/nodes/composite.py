@@ -8,6 +8,7 @@ from flowabs_nodes import color, filters
 from flowabs_nodes.choices import MIXING_SPACES
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
+from flowabs_nodes.nodes.regions import pixelwise
 
 
 def run_composite(
@@ -48,6 +49,8 @@ def run_composite(
 COMPOSITE = Node(
     type="composite",
     version=1,
+    label="Composite",
+    category="merge",
     help="Lays lines over a picture in any ink.",
     doc=(
         "With k = (1 - lines) x opacity: rgb (1 - k) + ink A k, alpha as it was. In linear light, highlights eat "
@@ -68,8 +71,10 @@ COMPOSITE = Node(
             "space",
             "linear",
             MIXING_SPACES,
+            label="Mix in",
             help="Where ink and picture mix: in light, or in code values.",
         ),
     ),
     run=run_composite,
+    region=pixelwise("image", "lines"),
 )

@@ -15,12 +15,14 @@ MISSING_PARAM = Param.enum(
     MISSING,
     # What is read instead of a missing frame is in the key by its content.
     in_key=False,
+    label="Missing frames",
+    group="Sequence",
     help="A frame that is not there: an error, the last one before it, the nearest, black, or no frame at all.",
 )
 
 
 def _layer(help: str) -> Param:
-    return Param.string("layer", "", help=help)
+    return Param.string("layer", "", group="Layer", help=help)
 
 
 def _part_problem(value: Any) -> str | None:
@@ -34,7 +36,7 @@ def _part(help: str) -> Param:
         "description": "the name of a part, or its number from 0",
         "anyOf": [{"type": "string"}, {"type": "integer", "minimum": 0}],
     }
-    return Param.custom("part", "", schema=schema, parse=_part_problem, help=help)
+    return Param.custom("part", "", schema=schema, parse=_part_problem, group="Layer", help=help)
 
 
 def run_read(
@@ -66,6 +68,8 @@ def run_read(
 READ = Node(
     type="read",
     version=1,
+    label="Read",
+    category="io",
     help=f"A plate from {formats.listed(formats.ALL)}: scene-linear, premultiplied colour.",
     inputs=(),
     outputs=(Port("image", "color", "R, G, B and, where the file has it, A; a grey plate is colour with R = G = B."),),
@@ -76,15 +80,25 @@ READ = Node(
         Param.string(
             "colorspace",
             "auto",
+            label="Colour space",
+            group="Pixels",
             help="Colour space of the file: any OCIO name. auto: its tag, chromaticities, or lin_rec709.",
         ),
         Param.enum(
             "alpha",
             "auto",
             ALPHAS,
+            group="Pixels",
             help="What alpha means. auto: premultiplied (PNG: straight), and opaque where it is 0 in every pixel.",
         ),
-        Param.enum("nonfinite", "repair", NONFINITE, help="NaN and Inf: repaired from their neighbours, or an error."),
+        Param.enum(
+            "nonfinite",
+            "repair",
+            NONFINITE,
+            label="NaN and Inf",
+            group="Pixels",
+            help="NaN and Inf: repaired from their neighbours, or an error.",
+        ),
         MISSING_PARAM,
     ),
     run=run_read,
@@ -109,6 +123,8 @@ def run_read_aov(context: Context, *, file: str, layer: str, part: str | int, mi
 READ_AOV = Node(
     type="read_aov",
     version=1,
+    label="Read AOV",
+    category="io",
     help="An AOV such as depth, normals or ids: numbers as they are in the file, never colour-converted or clamped.",
     inputs=(),
     outputs=(Port("data", "data", "The layer's channels, under their own names."),),

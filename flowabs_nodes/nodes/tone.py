@@ -6,6 +6,7 @@ import numpy as np
 
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
+from flowabs_nodes.nodes.regions import pixelwise
 
 
 def run_exposure(context: Context, image: Image, *, stops: float) -> Image:
@@ -17,6 +18,8 @@ def run_exposure(context: Context, image: Image, *, stops: float) -> Image:
 EXPOSURE = Node(
     type="exposure",
     version=1,
+    label="Exposure",
+    category="tone",
     help="Brightens or darkens by stops, in scene-linear light.",
     inputs=(Port("image", "color", "The picture."),),
     outputs=(Port("image", "color", "The picture times 2^stops; alpha as it was."),),
@@ -26,6 +29,7 @@ EXPOSURE = Node(
         ),
     ),
     run=run_exposure,
+    region=pixelwise("image"),
 )
 
 
@@ -44,6 +48,8 @@ def run_quantize(context: Context, image: Image, *, levels: int, softness: float
 QUANTIZE = Node(
     type="quantize",
     version=1,
+    label="Quantize lightness",
+    category="tone",
     help="Flattens lightness to a few levels, like poster paint.",
     doc=(
         "The paper's region flattening (section 4.1): L* falls into bins of equal size. A gain on scene-linear RGB, "
@@ -66,4 +72,5 @@ QUANTIZE = Node(
         ),
     ),
     run=run_quantize,
+    region=pixelwise("image"),
 )

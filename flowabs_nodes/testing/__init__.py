@@ -14,7 +14,9 @@ Or, without pytest, ``check_node(MY_NODE)``. It asks of a node that
 
 - it is documented, every port and parameter too, and its defaults and soft ranges lie inside the hard ones;
 - it runs with its defaults on any picture: colour, noise, alpha, HDR, 1x1, 1xN, Nx1, and for each type its ports take;
-- each parameter changes the key and, on some picture and perhaps with other parameters set, the result;
+- each parameter changes the key and, on some picture and perhaps with other parameters set, the result; one with
+  ``enabled_when`` changes neither where that does not hold;
+- where it declares a ``region``, filtering the crop to it and cutting to the window gives the bits of the whole result;
 - windows, metadata and colour space are kept, and its inputs are left as they were;
 - NaN and Inf give a clean error, or stay in the pixels where they were;
 - an output comes out the same whether asked for alone or with others, a second time, and on any number of threads;

@@ -32,6 +32,12 @@ def is_documented(node: Node) -> None:
         *(("parameter", param.name, param.help) for param in node.params),
     ):
         require(len(text.split()) >= 1 and text.strip() == text, f"{kind} {name} needs a help text")
+    for kind, name, text in (
+        ("label of the node", node.name, node.label),
+        ("category of the node", node.name, node.category),
+        *(("label of the parameter", param.name, param.label) for param in node.params),
+    ):
+        require(len(text.split()) >= 1 and text.strip() == text, f"{kind} {name} must be a text")
     for param in node.params:
         if not param.required:
             param.check(param.default)

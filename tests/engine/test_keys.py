@@ -70,6 +70,26 @@ def test_lengths_matter_only_to_nodes_that_have_some():
     assert node_key(ADD, ADD.defaults(), {}) == node_key(ADD, ADD.defaults(), {}, reference_height=1080, scale=0.5)
 
 
+MODED = dataclasses.replace(
+    ADD,
+    params=(
+        *ADD.params,
+        Param.enum("mode", "flat", ("flat", "bent"), help="."),
+        Param.float("bend", 1.0, enabled_when={"mode": ("bent",)}, help="."),
+    ),
+)
+
+
+def test_a_disabled_parameter_counts_as_its_default():
+    defaults = MODED.defaults()
+    key = node_key(MODED, defaults, {})
+    assert key == node_key(MODED, defaults | {"bend": 2.0}, {})
+    bent = [node_key(MODED, defaults | {"mode": "bent", "bend": bend}, {}) for bend in (1.0, 2.0)]
+    assert len({key, *bent}) == 3
+    free = tuple(dataclasses.replace(param, enabled_when={}) for param in MODED.params)
+    assert key == node_key(dataclasses.replace(MODED, params=free), defaults, {})  # as before it was conditional
+
+
 def keys_of(a_graph, **params):
     steps = make_plan(a_graph, 1, results=[Result("end", "image", 1)])
     values = {Unit(name, 1): each for name, each in a_graph.values(1).items()}
