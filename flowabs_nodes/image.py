@@ -268,8 +268,7 @@ class Image:
         """Return an image of (H, W) or (H, W, C) numbers, which are copied.
 
         One channel is mono, two are flow, three or four color, unless ``type`` says else. Color is scene-linear RGB or
-        premultiplied RGBA in ``colorspace``. ``data`` takes any number of channels, with any names. Ids are whole
-        numbers, of any dtype.
+        premultiplied RGBA in ``colorspace``. ``data`` takes any channels, with any names; ids are whole numbers.
         """
         return cls(*image_convert.parts_of_array(array, type, channels), colorspace=colorspace)
 
