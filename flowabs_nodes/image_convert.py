@@ -48,8 +48,9 @@ def parts_of_imagebuf(buf: oiio.ImageBuf, type: PortType | None, layer: str) -> 
     """Return the parts of an image of an ImageBuf's pixels; channels are found by name.
 
     With ``type`` None all channels are kept: exactly those of a type make that type, the first that is declared with
-    them (a lone Y is mono), and any others data. Ids are whole numbers in the buffer. Otherwise only the channels of that type in ``layer`` are kept ("" = the plain names). ArgumentError
-    for a buffer without flat pixels, or without the channels of ``type``.
+    them (a lone Y is mono), and any others data. Otherwise only the channels of that type in ``layer`` are kept ("" =
+    the plain names). Ids are whole numbers in the buffer. ArgumentError for a buffer without flat pixels, or without
+    the channels of ``type``.
     """
     spec = buf.spec()
     flat = spec.nchannels > 0 and not spec.deep  # OpenImageIO crashes when it is asked for other pixels
@@ -84,7 +85,7 @@ def _oiio_type(pixels: npt.NDArray[np.generic]) -> str:
 
 
 def imagebuf_of(pixels: Array, spec: oiio.ImageSpec) -> oiio.ImageBuf:
-    """Return an ImageBuf of float32 or uint32 pixels (H, W, C) with the channel names, windows and metadata of ``spec``."""
+    """Return an ImageBuf of float32 or uint32 pixels (H, W, C) with the channels, windows and metadata of ``spec``."""
     spec = oiio.ImageSpec(spec)
     spec.set_format(oiio.TypeDesc(_oiio_type(pixels)))
     buf = oiio.ImageBuf(spec)

@@ -1,4 +1,4 @@
-"""Declare the types of pictures that nodes exchange: all that the rest of the package asks about one is a field here."""
+"""Declare the types of pictures that nodes exchange: all that the package asks about one is a field here."""
 
 from __future__ import annotations
 
@@ -48,9 +48,9 @@ class PixelType:
     outside
         The value where a picture has no pixels: beyond its data window, and in a frame that is left black.
     stored
-        The data type in an EXR. "plate": the plate's, else half, NaN as 0. "float": 32 bit unless half is asked for, NaN
-        as 0. "read": half if it was read as half, else float; NaN and Inf stay. "exact": ``dtype`` whatever is asked
-        for, every bit as it is.
+        The data type in an EXR. "plate": the plate's, else half, NaN as 0. "float": 32 bit unless half is asked for,
+        NaN as 0. "read": half if it was read as half, else float; NaN and Inf stay. "exact": ``dtype`` whatever is
+        asked for, every bit as it is.
     usual
         The range in which most values lie, for pictures that show or test the type.
     """

@@ -159,4 +159,6 @@ def _black(image: Image) -> Image:
 
     It has no origin, so that ``write`` keeps no layer of the frame that it was made from.
     """
-    return Image(np.full_like(image.pixels, pixel_type(image.type).outside), image.spec, image.type, colorspace=image.colorspace)
+    return Image(
+        np.full_like(image.pixels, pixel_type(image.type).outside), image.spec, image.type, colorspace=image.colorspace
+    )

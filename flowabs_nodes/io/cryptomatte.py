@@ -1,8 +1,8 @@
 """Read Cryptomattes: which id covers most of each pixel, and how much of it.
 
-A Cryptomatte is a stack of layers: "name00", "name01" ... Each has four channels: an id and its coverage, the next id and
-its coverage, sorted by coverage. An id is the 32 bits of a float. The header says ``cryptomatte/KEY/name`` and the names
-of the ids, ``.../manifest`` (Psyop's Cryptomatte specification 1.2).
+A Cryptomatte is a stack of layers: "name00", "name01" ... Each has four channels: an id and its coverage, the next id
+and its coverage, sorted by coverage. An id is the 32 bits of a float. The header says ``cryptomatte/KEY/name`` and, as
+``cryptomatte/KEY/manifest``, the names of the ids (Psyop's Cryptomatte specification).
 """
 
 from __future__ import annotations

@@ -34,7 +34,8 @@ def encode_flat(picture: Picture, format: Format, stamps: Mapping[str, str], war
     """Return the file's bytes: colour encoded for the screen, alpha straight; mattes and mono as they are.
 
     ``stamps`` are stored where ``format.stamps`` says; ``warn`` is told what the format cannot hold. Raises WriteError
-    for an image that is no picture to look at (flow, depth, ids ...), for a display window above ``max_pixels``, and where OpenImageIO fails.
+    for an image that is no picture to look at (flow, depth, ids ...), for a display window above ``max_pixels``, and
+    where OpenImageIO fails.
     """
     image = picture.image
     if not pixel_type(image.type).shown:

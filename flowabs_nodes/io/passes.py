@@ -135,7 +135,9 @@ def find_usual(specs: Sequence[oiio.ImageSpec], layers: Iterable[Layer], names: 
     return None
 
 
-def find_named(specs: Sequence[oiio.ImageSpec], layers: Iterable[Layer], layer: str, names: Names, pick: Pick) -> Selection:
+def find_named(
+    specs: Sequence[oiio.ImageSpec], layers: Iterable[Layer], layer: str, names: Names, pick: Pick
+) -> Selection:
     """Return the channels of the layer that is called ``layer``.
 
     That is a layer's whole name ("ViewLayer.Depth"), a channel's ("ViewLayer.Depth.Z"), the name of a part, or the last

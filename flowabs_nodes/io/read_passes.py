@@ -74,10 +74,11 @@ def read_normal(
     with _opened(path, settings, part) as (file, layers):
         chosen = _chosen(file, layers, layer, passes.NORMAL, lambda each: each.vector(3), note)
         pixels = file.read(chosen.part, chosen.channels)
-        broken = ~np.isfinite(pixels).all(axis=2)
-        if broken.any():
-            warn(f"{int(broken.sum())} normals with NaN or Inf become 0, 0, 0")
-            pixels = np.where(broken[..., None], np.float32(0), pixels)
+        whole = np.isfinite(pixels).all(axis=2, keepdims=True)
+        broken = pixels.shape[0] * pixels.shape[1] - np.count_nonzero(whole)
+        if broken:
+            warn(f"{broken} normals with NaN or Inf become 0, 0, 0")
+            pixels = np.where(whole, pixels, np.float32(0))
         return _image(file, chosen, "normal", pixels)
 
 
@@ -99,13 +100,13 @@ def read_motion(
     Parameters
     ----------
     convention
-        "blender": X, Y to the place on the previous frame, -Z, -W to that on the next, which is kept as it is. "forward":
-        the first two channels lead to the next frame, "backward": to the previous one; the other way is taken for the
+        "blender": X, Y lead to the place on the previous frame, -Z, -W to that on the next; kept as they are. "forward"
+        and "backward": the first two channels lead to the next or the previous frame; the other way is taken for the
         opposite. "auto" takes X, Y, Z, W for "blender", a layer motionBack or backward for "backward", others for
         "forward".
 
-    Where Blender found no surface it writes vectors of 3e5 and more (65504 in a half channel): those, NaN and Inf become
-    0, and ``note`` is told how many. Raises ReadError as :func:`read_depth`.
+    Where Blender found no surface it writes vectors of 3e5 and more (65504 in a half channel): these, NaN and Inf
+    become 0, and ``note`` is told how many. Raises ReadError as :func:`read_depth`.
     """
     with _opened(path, settings, part) as (file, layers):
         ways = _ways(file, layers, layer, convention)
@@ -137,8 +138,8 @@ def read_id(
 
     ``layer`` "" takes the Cryptomatte of objects, else a channel of whole numbers, by the usual names
     (:data:`flowabs_nodes.io.passes.CRYPTOMATTE` and ``ID``), else the file's only Cryptomatte. Of a Cryptomatte the id
-    that covers most of a pixel is taken, 0 where the background does; its manifest goes along as metadata. Whole numbers
-    may be stored as uint, float or half; their coverage is 1, and -1 becomes 4294967295. Raises ReadError as
+    that covers most of a pixel is taken, 0 where the background does; its manifest goes along as metadata. Whole
+    numbers may be stored as uint, float or half; their coverage is 1, and -1 becomes 4294967295. Raises ReadError as
     :func:`read_depth`, and where a channel's numbers are not whole.
     """
     with _opened(path, settings, part) as (file, layers):
@@ -202,7 +203,7 @@ def _ways(file: PictureFile, layers: Sequence[Layer], layer: str, convention: st
 
 def _id_layer(file: PictureFile, layers: Sequence[Layer], layer: str, known: dict[str, dict[str, Any]]) -> Selection:
     """Return four channels of a Cryptomatte's first level, or the channel of whole numbers, to read ids from."""
-    bases = {name for name in known} | {
+    bases = set(known) | {
         cryptomatte.base_name(each.name)
         for each in layers
         if passes.plain_name(each.name).startswith("crypto") and cryptomatte.first_level(each)
@@ -231,7 +232,9 @@ def _grey(pixels: npt.NDArray[Any], chosen: Selection) -> npt.NDArray[Any]:
     """Return the first channel, (H, W, 1). Raises ReadError where others are not the same: then it is a colour."""
     if not (pixels[..., 1:] == pixels[..., :1]).all():
         names = ", ".join(chosen.channels)
-        raise ReadError(f"layer {chosen.layer!r} is no single number: {names} differ", code="wrong-layer", parameter="layer")
+        raise ReadError(
+            f"layer {chosen.layer!r} is no single number: {names} differ", code="wrong-layer", parameter="layer"
+        )
     return pixels[..., :1]
 
 
@@ -239,11 +242,12 @@ def _moving(pixels: Array, half: bool, note: Say) -> Array:
     """Return vectors, pairs of channels of (H, W, 2 or 4), with 0, 0 in place of those that stand for no surface."""
     pairs = pixels.reshape(*pixels.shape[:2], -1, 2)
     with np.errstate(invalid="ignore"):
-        still = ~(np.abs(pairs) < (_HALF_MAX if half else NO_MOTION)).all(axis=3)
-    if not still.any():
+        known = (np.abs(pairs) < (_HALF_MAX if half else NO_MOTION)).all(axis=3, keepdims=True)
+    still = np.count_nonzero(~known[..., 0].all(axis=2))
+    if not still:
         return pixels
-    note(f"{int(still.any(axis=2).sum())} pixels have no motion, where there is no surface: 0")
-    return np.where(still[..., None], np.float32(0), pairs).reshape(pixels.shape)
+    note(f"{still} pixels have no surface that could move: their motion is 0")
+    return np.where(known, pairs, np.float32(0)).reshape(pixels.shape)
 
 
 def _known(pixels: Array | None) -> Array:

@@ -61,7 +61,7 @@ def _color(scene: str, height: int, width: int) -> Array:
 
 
 def _values(declared: PixelType, scene: str, height: int, width: int) -> npt.NDArray[Any]:
-    """Return pixels of any other type, (H, W, C), from what its declaration says: directions, whole numbers, numbers."""
+    """Return pixels of any other type, (H, W, C), by its declaration: directions, areas of ids, a ring of numbers."""
     count = len(declared.typical_channels)
     if declared.unit:
         return _directions(scene, height, width, count)
