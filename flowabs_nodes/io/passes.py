@@ -103,7 +103,8 @@ def plain_name(layer: str) -> str:
 def layers_of(specs: Sequence[oiio.ImageSpec], part: str | int = "") -> list[Layer]:
     """Return the layers of a part, or of all: channels with one name before the last dot, each channel without a dot.
 
-    The channels without a dot of a part that has a name are one more layer, of that name.
+    The channels without a dot of a part are also together a layer, which has the part's name. Those that are components
+    of a vector or colour, such as x, y, z, are no layers each.
     """
     found = []
     for index in parts_to_read(specs, part):
@@ -116,8 +117,9 @@ def layers_of(specs: Sequence[oiio.ImageSpec], part: str | int = "") -> list[Lay
             else:
                 plain[channel] = channel
         found += [Layer(index, name, channels) for name, channels in groups.items()]
-        found += [Layer(index, channel, {"": channel}) for channel in plain]
-        if plain and part_name(specs[index]):
+        components = {name for family in _VECTORS if set(family[:2]) <= plain.keys() for name in family}
+        found += [Layer(index, channel, {"": channel}) for channel in plain if channel not in components]
+        if plain:
             found.append(Layer(index, part_name(specs[index]), plain))
     return found
 
@@ -159,7 +161,7 @@ def find_named(
     fitting = [each for each in found if pick(each)]
     if not fitting:
         holds = few(list(found[0].channels.values()))
-        message = f"layer {layer!r} has the channels {holds}; {names.what} are read from {names.channels}"
+        message = f"layer {layer!r} has the channels {holds}; expected for {names.what}: {names.channels}"
         raise ReadError(message, code="wrong-layer", parameter="layer")
     return _only(specs, fitting, names, pick)
 

@@ -134,7 +134,7 @@ def read_data(
         raise
     spec = selected_spec(source, chosen, chosen.channels)
     if spec.format == oiio.TypeUInt32 and (pixels >= 2**24).any():
-        warn("ids above 16777216 are rounded: 32-bit whole numbers do not fit float32")
+        warn("ids above 16777216 are rounded: 32-bit whole numbers do not fit float32 (read_id keeps them)")
     nans, infs = nonfinites.count(pixels)
     if nans or infs:
         note(f"{nonfinites.said(nans, infs)} in {layer or 'the data'}, left as they are")

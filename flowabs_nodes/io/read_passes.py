@@ -242,7 +242,7 @@ def _moving(pixels: Array, half: bool, note: Say) -> Array:
     """Return vectors, pairs of channels of (H, W, 2 or 4), with 0, 0 in place of those that stand for no surface."""
     pairs = pixels.reshape(*pixels.shape[:2], -1, 2)
     with np.errstate(invalid="ignore"):
-        known = (np.abs(pairs) < (_HALF_MAX if half else NO_MOTION)).all(axis=3, keepdims=True)
+        known = np.asarray((np.abs(pairs) < (_HALF_MAX if half else NO_MOTION)).all(axis=3, keepdims=True))
     still = np.count_nonzero(~known[..., 0].all(axis=2))
     if not still:
         return pixels
@@ -258,6 +258,8 @@ def _known(pixels: Array | None) -> Array:
 
 def _whole(numbers: npt.NDArray[Any]) -> npt.NDArray[Any]:
     """Return ids, uint32, of numbers of any type; -1 becomes 4294967295. Raises ReadError where some are not whole."""
+    if numbers.dtype.kind == "f":
+        numbers = numbers.astype(np.float64)
     with np.errstate(invalid="ignore"):
         wrong = int((numbers != np.floor(numbers)).sum()) + int((np.abs(numbers) > 2**32 - 1).sum())
         if wrong:
