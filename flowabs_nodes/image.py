@@ -203,7 +203,7 @@ class Image:
         elif channels is None and count == len(self.channels):
             channels = self.channels
         if channels is None:
-            raise ArgumentError(f"{count} channels do not make a {type} image", parameter="pixels")
+            raise ArgumentError(f"{count} channels do not make {declared.an_image}", parameter="pixels")
         spec = image_convert.with_channels(self._spec, channels)
         spec.height, spec.width = pixels.shape[:2]
         return Image(pixels, spec, type, colorspace=self.colorspace, origin=self.origin)
@@ -243,7 +243,7 @@ class Image:
         if type in pixel_type(self.type).widens_to:
             count = len(pixel_type(type).typical_channels)
             return self.with_pixels(self.pixels if count == 1 else np.repeat(self.pixels, count, axis=2), type)
-        raise ArgumentError(f"a {self.type} image cannot go where {type} is asked for")
+        raise ArgumentError(f"{pixel_type(self.type).an_image} cannot go where {type} is asked for")
 
     def on_window(self, window: Window) -> Image:
         """Return the image on another data window: cut, and its type's value for outside where it had no pixels."""

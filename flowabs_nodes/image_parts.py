@@ -62,7 +62,7 @@ def check_parts(pixels: Array | None, spec: oiio.ImageSpec, type: str) -> None:
     if declared.channels and names not in declared.channels:
         found = f"not {','.join(names)}"
         expected = declared.expected_channels()
-        raise ArgumentError(f"a {type} image has the channels {expected}, {found}", parameter="spec")
+        raise ArgumentError(f"{declared.an_image} has the channels {expected}, {found}", parameter="spec")
     if pixels is not None and pixels.shape != (spec.height, spec.width, len(names)):
         raise ArgumentError(
             f"pixels of shape {pixels.shape} do not fit a data window of {spec.width}x{spec.height} "

@@ -70,6 +70,11 @@ class PixelType:
     usual: tuple[float, float] = (0.0, 1.0)
 
     @property
+    def an_image(self) -> str:
+        """Return what to call a picture of the type in a sentence: "a depth image", "an id image"."""
+        return f"{'an' if self.name[0] in 'aeiou' else 'a'} {self.name} image"
+
+    @property
     def shown(self) -> bool:
         """Return True if the picture is one to look at: colour, or what may be used as colour."""
         return "color" in (self.name, *self.widens_to)

@@ -18,7 +18,7 @@ import OpenImageIO as oiio
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ReadError
 from flowabs_nodes.io.image_file import PictureFile
-from flowabs_nodes.io.layers import Selection
+from flowabs_nodes.io.layers import Selection, check_windows
 from flowabs_nodes.io.passes import Layer
 
 _PREFIX = "cryptomatte/"
@@ -61,12 +61,15 @@ def majority(file: PictureFile, layers: Iterable[Layer], chosen: Selection) -> I
     has. Raises ReadError where the channels are not 32-bit floats, which alone keep ids.
     """
     base = base_name(chosen.layer)
-    further = [layer for layer in layers if base_name(layer.name) == base and layer.name != chosen.layer]
+    further = [
+        Selection(layer.part, layer.name, channels)
+        for layer in layers
+        if base_name(layer.name) == base and layer.name not in (base, chosen.layer) and (channels := layer.vector(4))
+    ]
+    check_windows(file.specs, [chosen, *further])
     ids, covered, total = _level(file, chosen.part, chosen.channels)
-    for layer in further:
-        channels = layer.vector(4)
-        if channels is not None and _LEVEL.fullmatch(layer.name):
-            total = total + _level(file, layer.part, channels)[2]
+    for level in further:
+        total = total + _level(file, level.part, level.channels)[2]
     rest = 1 - total
     background = rest > covered
     return Ids(np.where(background, np.uint32(0), ids), np.where(background, rest, covered))

@@ -38,8 +38,9 @@ def encode_flat(picture: Picture, format: Format, stamps: Mapping[str, str], war
     where OpenImageIO fails.
     """
     image = picture.image
-    if not pixel_type(image.type).shown:
-        raise WriteError(f"{format.name} cannot hold a {image.type} image; write an EXR", code="bad-format")
+    declared = pixel_type(image.type)
+    if not declared.shown:
+        raise WriteError(f"{format.name} cannot hold {declared.an_image}; write an EXR", code="bad-format")
     if picture.layers:
         warn(f"{format.name} holds one image: layers {', '.join(picture.layers)} are left out")
     if picture.keep_layers:

@@ -171,6 +171,14 @@ def _only_layer(specs: Sequence[oiio.ImageSpec], parts: Sequence[int], part: str
     raise ReadError(f"no R, G, B and no Y to read as colour; {listing(specs)}", code="no-color", hint=hint)
 
 
+def check_windows(specs: Sequence[oiio.ImageSpec], chosen: Sequence[Selection]) -> None:
+    """Raise ReadError unless all chosen layers, which may be in several parts, are on one data window."""
+    windows = {(spec.x, spec.y, spec.width, spec.height) for spec in (specs[each.part] for each in chosen)}
+    if len(windows) > 1:
+        names = few([each.layer for each in chosen])
+        raise ReadError(f"layers {names} belong together, but have different data windows", code="window-mismatch")
+
+
 def listing(specs: Sequence[oiio.ImageSpec]) -> str:
     """Return what a file holds, for messages: "it has R, G, B"."""
     if len(specs) == 1:

@@ -60,7 +60,7 @@ READ_NORMAL = Node(
 
 
 def run_read_motion(context: Context, *, file: str, missing: str = "error", **where: Any) -> Image:
-    from flowabs_nodes.io.read_passes import read_motion
+    from flowabs_nodes.io.read_motion import read_motion
 
     return read_motion(file, settings=context.services, note=context.note, warn=context.warn, **where)
 
@@ -100,7 +100,7 @@ READ_MOTION = Node(
 
 
 def run_read_id(context: Context, *, file: str, missing: str = "error", **where: Any) -> dict[str, Image]:
-    from flowabs_nodes.io.read_passes import read_id
+    from flowabs_nodes.io.read_id import read_id
 
     ids, coverage = read_id(file, settings=context.services, note=context.note, warn=context.warn, **where)
     return {"id": ids, "coverage": coverage}

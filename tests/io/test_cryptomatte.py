@@ -9,7 +9,7 @@ import OpenImageIO as oiio
 import pytest
 
 from flowabs_nodes.io.cryptomatte import base_name, declared
-from flowabs_nodes.io.read_passes import read_id
+from flowabs_nodes.io.read_id import read_id
 from tests.io.files import exr, parts
 from tests.io.test_layers import spec
 
