@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -121,7 +120,7 @@ def renderman(path: Path) -> Path:
     return exr(path, planes(colors(channels=4)) | passes)
 
 
-def vray(path: Path, names: Mapping[str, str] | None = None) -> Path:
+def vray(path: Path) -> Path:
     """Write a render as V-Ray does: a grey depth and grey ids in red, green and blue."""
     grey = ("red", "green", "blue")
     passes = planes(np.repeat(depth()[..., None], 3, axis=2), grey, "VRayZDepth")
