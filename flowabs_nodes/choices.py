@@ -143,6 +143,16 @@ NONFINITE = Choices(
     }
 )
 
+#: What the numbers of a motion pass say.
+MOTION_CONVENTIONS = Choices(
+    {
+        "auto": "by the layer's name and channels",
+        "blender": "four channels, y up: X, Y to the previous frame, -Z, -W to the next",
+        "forward": "the first two channels, y up, to the next frame",
+        "backward": "the first two channels, y up, to the previous frame",
+    }
+)
+
 #: What is read in place of a frame that is not there.
 MISSING = Choices(
     {

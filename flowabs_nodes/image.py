@@ -12,9 +12,9 @@ from flowabs_nodes import color, image_convert
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.image_parts import Origin, PixelSource, Window, check_parts
-from flowabs_nodes.port_types import CHANNELS, PORT_TYPES, PortType, channel_names
+from flowabs_nodes.port_types import PORT_TYPES, PortType, pixel_type
 
-__all__ = ["CHANNELS", "PORT_TYPES", "Image", "Origin", "PixelSource", "PortType", "Window"]
+__all__ = ["PORT_TYPES", "Image", "Origin", "PixelSource", "PortType", "Window"]
 
 
 class Image:
@@ -23,7 +23,7 @@ class Image:
     Attributes
     ----------
     type
-        Port type: "color", "mono", "matte", "flow" or "data".
+        Port type, one of :data:`flowabs_nodes.port_types.TYPES`: "color", "mono", "depth" ...
     spec
         A copy of the OpenImageIO ImageSpec: channel names, data window, display window, metadata, and as ``format`` the
         data type of the file that the image came from.
@@ -32,7 +32,7 @@ class Image:
     origin
         The file that the plate came from, if it came from one.
     pixels
-        (H, W, C) float32: scene-linear premultiplied for color, unconverted for all other types.
+        (H, W, C) float32, of ids uint32: scene-linear premultiplied for color, unconverted for all other types.
     expects
         Encodings whose code values will be asked for after those of the lightness: both are then made together.
     keeps_codes
@@ -58,7 +58,7 @@ class Image:
         self.colorspace = color.space(colorspace)
         self.origin = origin
         self._spec = spec
-        self._pixels = None if pixels is None else np.ascontiguousarray(pixels, np.float32)
+        self._pixels = None if pixels is None else pixel_type(type).cast(pixels)
         self._deferred: PixelSource | None = None
         self._codes: dict[tuple[str, float | None], Array] = {}
         self._monos: dict[tuple[str, float | None], Array] = {}
@@ -100,7 +100,7 @@ class Image:
 
     @property
     def pixels(self) -> Array:
-        """Return (H, W, C) float32, decoded on first use where a filter left code values."""
+        """Return (H, W, C) in the type's dtype, decoded on first use where a filter left code values."""
         if self._pixels is None:
             assert self._deferred is not None
             self._pixels = self._deferred.decode(self.colorspace)
@@ -195,14 +195,15 @@ class Image:
         keeps this image's names or takes ``channels``.
         """
         type = self.type if type is None else type
-        pixels = np.ascontiguousarray(pixels if pixels.ndim == 3 else pixels[..., None], np.float32)
+        declared = pixel_type(type)
+        pixels = declared.cast(pixels if pixels.ndim == 3 else pixels[..., None])
         count = pixels.shape[2]
-        if channels is None and type in CHANNELS:
-            channels = channel_names(type, count)
+        if channels is None and declared.channels:
+            channels = declared.channel_names(count)
         elif channels is None and count == len(self.channels):
             channels = self.channels
         if channels is None:
-            raise ArgumentError(f"{count} channels do not make a {type} image", parameter="pixels")
+            raise ArgumentError(f"{count} channels do not make {declared.an_image}", parameter="pixels")
         spec = image_convert.with_channels(self._spec, channels)
         spec.height, spec.width = pixels.shape[:2]
         return Image(pixels, spec, type, colorspace=self.colorspace, origin=self.origin)
@@ -239,17 +240,16 @@ class Image:
         """Return the image as a port's type: a matte as mono, unchanged; a matte or mono as color, R = G = B."""
         if type == self.type:
             return self
-        if self.type == "matte" and type == "mono":
-            return self.with_pixels(self.pixels, "mono")
-        if self.type in ("matte", "mono") and type == "color":
-            return self.with_pixels(np.repeat(self.pixels, 3, axis=2), "color")
-        raise ArgumentError(f"a {self.type} image cannot go where {type} is asked for")
+        if type in pixel_type(self.type).widens_to:
+            count = len(pixel_type(type).typical_channels)
+            return self.with_pixels(self.pixels if count == 1 else np.repeat(self.pixels, count, axis=2), type)
+        raise ArgumentError(f"{pixel_type(self.type).an_image} cannot go where {type} is asked for")
 
     def on_window(self, window: Window) -> Image:
-        """Return the image on another data window: cut, and 0 where it had no pixels."""
+        """Return the image on another data window: cut, and its type's value for outside where it had no pixels."""
         if window == self.data_window:
             return self
-        pixels = image_convert.on_window(self.pixels, self.data_window, window)
+        pixels = image_convert.on_window(self.pixels, self.data_window, window, pixel_type(self.type).outside)
         spec = self.spec
         spec.x, spec.y, spec.width, spec.height = window
         return Image(pixels, spec, self.type, colorspace=self.colorspace, origin=self.origin)
@@ -268,7 +268,7 @@ class Image:
         """Return an image of (H, W) or (H, W, C) numbers, which are copied.
 
         One channel is mono, two are flow, three or four color, unless ``type`` says else. Color is scene-linear RGB or
-        premultiplied RGBA in ``colorspace``. ``data`` takes any number of channels, with any names.
+        premultiplied RGBA in ``colorspace``. ``data`` takes any channels, with any names; ids are whole numbers.
         """
         return cls(*image_convert.parts_of_array(array, type, channels), colorspace=colorspace)
 
@@ -284,8 +284,8 @@ class Image:
         """Return an image of an OpenImageIO ImageBuf, with its windows and metadata; channels are found by name.
 
         With ``type`` None nothing is lost: exactly R, G, B[, A] make a color image, flow.x, flow.y a flow, Y a mono,
-        any others data with every channel. A ``type`` takes just its own channels of ``layer`` ("" = the plain
-        names). ``colorspace`` "auto" asks the metadata (:func:`flowabs_nodes.color.detect`).
+        Z a depth, and so on, any others data with every channel. A ``type`` takes just its own channels of ``layer``
+        ("" = the plain names). ``colorspace`` "auto" asks the metadata (:func:`flowabs_nodes.color.detect`).
         """
         parts = image_convert.parts_of_imagebuf(buf, type, layer)
         if str(colorspace) == "auto" or colorspace is None:
@@ -293,7 +293,7 @@ class Image:
         return cls(*parts, colorspace=colorspace)
 
     def to_imagebuf(self) -> oiio.ImageBuf:
-        """Return an ImageBuf of float pixels with this image's channel names, windows and metadata."""
+        """Return an ImageBuf of float pixels, uint32 of ids, with this image's channel names, windows and metadata."""
         spec = self.spec
         if self.type == "color":
             spec.attribute("oiio:ColorSpace", self.colorspace.name)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 import OpenImageIO as oiio
 
 from flowabs_nodes.array_types import Array
-from flowabs_nodes.errors import ArgumentError, nearest
-from flowabs_nodes.port_types import CHANNELS, PORT_TYPES, PortType, expected_channels
+from flowabs_nodes.errors import ArgumentError
+from flowabs_nodes.port_types import PortType, pixel_type
 
 if TYPE_CHECKING:
     from flowabs_nodes.color import ColorSpace
@@ -50,19 +50,19 @@ class Origin:
 class Parts(NamedTuple):
     """What an image is made of, but for its colour space."""
 
-    pixels: Array  # (H, W, C) float32, C-contiguous
+    pixels: Array  # (H, W, C) in the type's dtype, C-contiguous
     spec: oiio.ImageSpec
     type: PortType
 
 
 def check_parts(pixels: Array | None, spec: oiio.ImageSpec, type: str) -> None:
     """Raise ArgumentError unless an image of this type can have these channels, and these pixels if they are there."""
-    if type not in PORT_TYPES:
-        raise ArgumentError(f"{type!r} is not a port type", hint=nearest(type, PORT_TYPES), parameter="type")
+    declared = pixel_type(type)
     names = tuple(spec.channelnames)
-    if type in CHANNELS and names not in CHANNELS[type]:
+    if declared.channels and names not in declared.channels:
         found = f"not {','.join(names)}"
-        raise ArgumentError(f"a {type} image has the channels {expected_channels(type)}, {found}", parameter="spec")
+        expected = declared.expected_channels()
+        raise ArgumentError(f"{declared.an_image} has the channels {expected}, {found}", parameter="spec")
     if pixels is not None and pixels.shape != (spec.height, spec.width, len(names)):
         raise ArgumentError(
             f"pixels of shape {pixels.shape} do not fit a data window of {spec.width}x{spec.height} "

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
 from flowabs_nodes.engine.error_boundary import error_boundary
 from flowabs_nodes.errors import ArgumentError, FlowabsError, nearest
-from flowabs_nodes.image import Image, PortType, Window
+from flowabs_nodes.image import Image, Window
 from flowabs_nodes.nodes.declare import MASK, MIX, Context, Node
+from flowabs_nodes.port_types import pixel_type
 
 
 def call_node(
@@ -108,7 +109,7 @@ def _widen(declaration: Node, name: str, image: Image) -> Image:
     if kind is None:
         accepted = port.types.replace("|", " or ")
         raise FlowabsError(f"input {name!r} takes {accepted}, not {image.type}", code="wrong-type")
-    return image.as_type(cast(PortType, kind))
+    return image.as_type(kind)
 
 
 def check_params(declaration: Node, params: Mapping[str, Any]) -> dict[str, Any]:
@@ -198,7 +199,7 @@ def _wrong_output(declaration: Node, name: str, what: str) -> FlowabsError:
 
 
 def _mix_over(image: Image, outputs: dict[str, Image], first: str, mask: Image | None, mix: float) -> dict[str, Image]:
-    """Lay each result over the input by k = mask x mix, alpha too.
+    """Lay each result over the input by k = mask x mix, alpha too; an id is the result's where k is at least 1/2.
 
     A color output beside the first, such as an ink alone, is multiplied by k.
     """
@@ -217,6 +218,8 @@ def _mix_over(image: Image, outputs: dict[str, Image], first: str, mask: Image |
                 f"the node returned {','.join(result.channels)}",
                 code="wrong-output",
             )
+        elif not pixel_type(result.type).blends:
+            mixed[name] = result.with_pixels(np.where(k >= 0.5, result.pixels, image.pixels))
         else:
             # The weights' sum is exactly 1 at both ends, so that k = 0 and k = 1 change no bit.
             pixels = result.pixels * k

@@ -19,6 +19,7 @@ from flowabs_nodes.engine.report import Note
 from flowabs_nodes.engine.resize import scale_image
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node
+from flowabs_nodes.port_types import pixel_type
 from flowabs_nodes.simd.known_finite import remember_finite
 
 if TYPE_CHECKING:
@@ -154,8 +155,10 @@ class Evaluation:
 
 
 def _black(image: Image) -> Image:
-    """Return a black frame with the windows and metadata of ``image``.
+    """Return a frame of nothing (black, no id, depth far away) with the windows and metadata of ``image``.
 
     It has no origin, so that ``write`` keeps no layer of the frame that it was made from.
     """
-    return Image(np.zeros_like(image.pixels), image.spec, image.type, colorspace=image.colorspace)
+    return Image(
+        np.full_like(image.pixels, pixel_type(image.type).outside), image.spec, image.type, colorspace=image.colorspace
+    )

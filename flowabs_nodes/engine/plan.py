@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 from flowabs_nodes.errors import CommandError, nearest
+from flowabs_nodes.port_types import TYPES
 
 if TYPE_CHECKING:
     from flowabs_nodes.graph.model import Graph
@@ -114,14 +115,14 @@ def _add_upstream_first(
             needs[unit] = inputs
             continue
         stack.append((unit, True))
-        small_first = sorted(inputs.values(), key=lambda each: _floats_per_pixel(graph, each))
+        small_first = sorted(inputs.values(), key=lambda each: _bytes_per_pixel(graph, each))
         stack.extend((each.unit, False) for each in reversed(small_first) if each not in given)
 
 
-def _floats_per_pixel(graph: Graph, result: Result) -> int:
-    """Return about how many floats a pixel of a result takes in memory."""
+def _bytes_per_pixel(graph: Graph, result: Result) -> int:
+    """Return about how many bytes a pixel of a result takes in memory; of a type that is an input's, as a color."""
     port = graph.nodes[result.node].declaration.all_outputs[result.output]
-    return {"mono": 1, "matte": 1, "flow": 2}.get(port.types, 4)
+    return TYPES[port.types if port.same_as is None else "color"].bytes_per_pixel
 
 
 # ---------------------------------------------------------------------- names that a caller writes

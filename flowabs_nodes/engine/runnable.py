@@ -6,7 +6,7 @@ import logging
 from collections.abc import Iterable, Mapping
 from dataclasses import fields
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 from flowabs_nodes import graph as graphs
 from flowabs_nodes.engine.evaluate import Evaluation
@@ -17,7 +17,7 @@ from flowabs_nodes.engine.resize import scale_image
 from flowabs_nodes.engine.sources import find_sources
 from flowabs_nodes.errors import ArgumentError, CommandError
 from flowabs_nodes.graph.model import Graph
-from flowabs_nodes.image import Image, PortType
+from flowabs_nodes.image import Image
 from flowabs_nodes.io.settings import Settings
 
 #: A path, the name of a graph that comes with the package, its content as a dict, or one that is loaded.
@@ -146,7 +146,7 @@ def _given_images(graph: Graph, given: Mapping[str, Image], frame: int) -> dict[
                 code="wrong-type",
                 parameter="given",
             )
-        images[result] = image.as_type(cast(PortType, kind))
+        images[result] = image.as_type(kind)
     return images
 
 

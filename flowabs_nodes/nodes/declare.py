@@ -35,17 +35,9 @@ from flowabs_nodes.choices import readable
 from flowabs_nodes.errors import ArgumentError, nearest
 from flowabs_nodes.image import PORT_TYPES, Image, Window
 from flowabs_nodes.nodes.param import Param
+from flowabs_nodes.port_types import PORT_TYPES, TYPES
 
-__all__ = ["MASK", "MIX", "WIDENS_TO", "Context", "Node", "Param", "Port"]
-
-#: The types that an image of each type may be used as: a matte as a mono, either as a color. Nothing else converts.
-WIDENS_TO: Mapping[str, frozenset[str]] = {
-    "matte": frozenset({"matte", "mono", "color"}),
-    "mono": frozenset({"mono", "color"}),
-    "color": frozenset({"color"}),
-    "flow": frozenset({"flow"}),
-    "data": frozenset({"data"}),
-}
+__all__ = ["MASK", "MIX", "Context", "Node", "Param", "Port"]
 
 
 @dataclass(frozen=True)
@@ -65,7 +57,7 @@ class Port:
     def accepts(self) -> tuple[str, ...]:
         """Return the port types this input takes without widening (all for "any"; none for an output like "=image")."""
         if self.types == "any":
-            return PORT_TYPES
+            return tuple(PORT_TYPES)
         return () if self.types.startswith("=") else tuple(self.types.split("|"))
 
     @property
@@ -77,7 +69,7 @@ class Port:
         """Return the type that an image of ``port_type`` has inside the node, or None if it may not be connected."""
         if port_type in self.accepts:
             return port_type
-        return next((wide for wide in self.accepts if wide in WIDENS_TO[port_type]), None)
+        return next((wide for wide in self.accepts if wide in TYPES[port_type].widens_to), None)
 
 
 @dataclass(frozen=True)

@@ -48,7 +48,7 @@ MATTE = Node(
         "What a roto shape, a render's alpha or a depth pass needs to serve as the mask of another node. low becomes 0 "
         "and high becomes 1, with a ramp between; low above high turns it inside out."
     ),
-    inputs=(Port("image", "color|mono|matte|data", "What to take the channel from."),),
+    inputs=(Port("image", "color|mono|matte|data|depth|normal|motion|id", "What to take the channel from."),),
     outputs=(Port("matte", "matte", "The channel, 0 to 1."),),
     params=(
         Param.string(

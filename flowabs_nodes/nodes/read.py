@@ -21,7 +21,8 @@ MISSING_PARAM = Param.enum(
 )
 
 
-def _layer(help: str) -> Param:
+def layer_param(help: str) -> Param:
+    """Return the parameter that names a layer of a file."""
     return Param.string("layer", "", group="Layer", help=help)
 
 
@@ -31,7 +32,8 @@ def _part_problem(value: Any) -> str | None:
     return "the name of a part, or its number from 0"
 
 
-def _part(help: str) -> Param:
+def part_param(help: str) -> Param:
+    """Return the parameter that names a part of a file."""
     schema = {
         "description": "the name of a part, or its number from 0",
         "anyOf": [{"type": "string"}, {"type": "integer", "minimum": 0}],
@@ -75,8 +77,8 @@ READ = Node(
     outputs=(Port("image", "color", "R, G, B and, where the file has it, A; a grey plate is colour with R = G = B."),),
     params=(
         Param.file("file", role="input", help="File or sequence: plate.exr, plate.####.exr, plate.%04d.exr."),
-        _layer('Layer to read: "" is the plain R, G, B, A.'),
-        _part('Part of a multi-part EXR, by name or number: "" is the first with R, G, B.'),
+        layer_param('Layer to read: "" is the plain R, G, B, A.'),
+        part_param('Part of a multi-part EXR, by name or number: "" is the first with R, G, B.'),
         Param.string(
             "colorspace",
             "auto",
@@ -125,15 +127,19 @@ READ_AOV = Node(
     version=1,
     label="Read AOV",
     category="io",
-    help="An AOV such as depth, normals or ids: numbers as they are in the file, never colour-converted or clamped.",
+    help="Any AOV: numbers as they are in the file, never colour-converted or clamped.",
     inputs=(),
     outputs=(Port("data", "data", "The layer's channels, under their own names."),),
     params=(
         Param.file("file", role="input", help="File or sequence: render.exr, render.####.exr."),
-        _layer('Layer, or one channel such as Z or N.X: "" is every channel of the part.'),
-        _part('Part of a multi-part EXR, by name or number: "" is the first that has the layer.'),
+        layer_param('Layer, or one channel such as Z or N.X: "" is every channel of the part.'),
+        part_param('Part of a multi-part EXR, by name or number: "" is the first that has the layer.'),
         MISSING_PARAM,
     ),
     run=run_read_aov,
-    doc="Whole numbers keep their value up to 16777216, the largest that float32 holds exactly with all below it.",
+    doc=(
+        "Whole numbers keep their value up to 16777216, the largest that float32 holds exactly with all below it. "
+        "Depth, normals, motion and ids have nodes of their own, `read_depth` and so on, which know their names and "
+        "their background."
+    ),
 )

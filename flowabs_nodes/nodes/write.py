@@ -111,8 +111,10 @@ WRITE = Node(
     run=run_write,
     doc=(
         "Everything that the plate's header says stays, windows, timecode and chromaticities included. Further inputs "
-        "become layers: `n` is written as n.R, n.G, n.B[, n.A] (color), n.Y (mono, matte), n.x, n.y (flow) or "
-        "n.<last part of its name> (data). PNG and TIFF hold the image alone, on the display window, encoded for the "
-        "screen. Compressions dwaa, dwab, b44 and b44a change the picture each time it is saved."
+        "become layers: `n` is written as n.R, n.G, n.B[, n.A] (color), n.Y (mono, matte), n.x, n.y (flow), n.Z "
+        "(depth), n.X, n.Y, n.Z (normal), n.X, n.Y, n.Z, n.W (motion), n.id (id) or n.<last part of its name> (data). "
+        "Depth, normals and motion are always 32-bit floats and ids 32-bit whole numbers, bit for bit, whatever "
+        "data_type says. PNG and TIFF hold the image alone, on the display window, encoded for the screen. "
+        "Compressions dwaa, dwab, b44 and b44a change the picture each time it is saved."
     ),
 )

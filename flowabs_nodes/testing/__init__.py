@@ -20,7 +20,7 @@ Or, without pytest, ``check_node(MY_NODE)``. It asks of a node that
 - windows, metadata and colour space are kept, and its inputs are left as they were;
 - NaN and Inf give a clean error, or stay in the pixels where they were;
 - an output comes out the same whether asked for alone or with others, a second time, and on any number of threads;
-- a node that mixes gives the input where mask or mix is 0, the result where both are 1.
+- a node that mixes gives the input where mask or mix is 0, the result where both are 1, and never a mean of ids.
 
 Nodes that read or write files are held to what does not need a picture's content.
 """

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
 from flowabs_nodes.engine.call_node import call_node
-from flowabs_nodes.image import Image, PortType
+from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node
 from flowabs_nodes.testing.pictures import make_input
 
@@ -34,7 +34,7 @@ def run_node(
 def inputs_of(node: Node, scene: str, height: int = 20, width: int = 24, optional: bool = True) -> dict[str, Image]:
     """Make an image for each declared input but the mask, each of the first type its port takes."""
     return {
-        port.name: make_input(cast(PortType, port.accepts[0]), scene, height, width)
+        port.name: make_input(port.accepts[0], scene, height, width)
         for port in node.inputs
         if optional or not port.optional
     }

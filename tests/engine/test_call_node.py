@@ -264,3 +264,27 @@ def test_declarations_stay_usable_as_they_are():
     assert isinstance(ADD, Node)
     assert ADD.mixes
     assert not SPLIT.mixes
+
+
+# ---------------------------------------------------------------------- ids have no mean
+
+
+def other_ids(context, image):
+    return image.with_pixels(np.full_like(image.pixels, 2**32 - 1))
+
+
+RENAME = Node("rename", 1, ".", (Port("image", "id|mono", "."),), (Port("image", "=image", "."),), (), other_ids)
+IDS = Image.from_array(np.array([[2**24 + 1, 2**24 + 3, 0, 2**31 + 1]], np.uint32), type="id")
+
+
+def test_a_mask_takes_each_id_from_one_side_whole():
+    mask = Image.from_array(np.array([[0.0, 0.49, 0.5, 1.0]]), type="matte")
+    mixed = call_node(RENAME, Context(), {"image": IDS, "mask": mask}, {})["image"].pixels
+    assert mixed.dtype == np.uint32
+    np.testing.assert_array_equal(mixed[0, :, 0], [2**24 + 1, 2**24 + 3, 2**32 - 1, 2**32 - 1])
+
+
+@pytest.mark.parametrize(("mix", "changed"), [(0, False), (0.3, False), (0.5, True), (1, True)])
+def test_mix_takes_all_ids_from_one_side(mix, changed):
+    mixed = call_node(RENAME, Context(), {"image": IDS}, {"mix": mix})["image"].pixels
+    np.testing.assert_array_equal(mixed, np.full_like(IDS.pixels, 2**32 - 1) if changed else IDS.pixels)
