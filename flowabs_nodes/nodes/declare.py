@@ -33,7 +33,7 @@ from typing import Any
 
 from flowabs_nodes.choices import readable
 from flowabs_nodes.errors import ArgumentError, nearest
-from flowabs_nodes.image import PORT_TYPES, Image, Window
+from flowabs_nodes.image import Image, Window
 from flowabs_nodes.nodes.param import Param
 from flowabs_nodes.port_types import PORT_TYPES, TYPES
 
