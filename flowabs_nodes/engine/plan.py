@@ -145,9 +145,8 @@ def _add_upstream_first(
     needs: dict[Unit, Inputs],
 ) -> None:
     """Add ``target`` and every unit that it depends on to ``needs``, each after all units that it depends on itself."""
-    stack: list[tuple[Unit, Inputs | None]] = [
-        (target, None)
-    ]  # not by recursion: a chain may be thousands of nodes long
+    # Not by recursion: a chain may be thousands of nodes long.
+    stack: list[tuple[Unit, Inputs | None]] = [(target, None)]
     while stack:
         unit, inputs = stack.pop()
         if unit in needs:
