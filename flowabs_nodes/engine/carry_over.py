@@ -77,7 +77,7 @@ class Lookahead:
         self._graph = graph
         self._sinks = sinks(graph)
         self._windowed = [name for name, node in graph.nodes.items() if node.declaration.frames is not None]
-        self._offsets: dict[Unit, dict[str, tuple[int, ...]]] = {}
+        self._offsets: dict[Unit, dict[str, tuple[int, ...]]] = {}  # of the units that were looked at last
 
     @property
     def reads_other_frames(self) -> bool:
@@ -102,6 +102,7 @@ class Lookahead:
                     asked.add(result)
                 else:
                     stack.append(result.unit)
+        self._offsets = {unit: offsets for unit, offsets in self._offsets.items() if unit in seen}
         return asked
 
     def _near(self, frames: set[int]) -> set[int]:

@@ -49,7 +49,7 @@ def takes_windows_that_are_cut(node: Node) -> None:
     offsets = frame_offsets(node, node.defaults())
     for scene in SCENES:
         inputs = inputs_of(node, scene)
-        for there in (range(65), range(-64, 1), range(1), (*range(-64, 1), *range(2, 65))):
+        for where, there in _CUT.items():
             cut = {
                 name: {each: on_frame(inputs[name], each) for each in offsets[name] if each in there}
                 for name in offsets.keys() & inputs.keys()
