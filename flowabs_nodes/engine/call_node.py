@@ -32,7 +32,7 @@ def call_node(declaration: Node, context: Context, inputs: NodeInputs, params: M
     ------
     FlowabsError
         With node and frame. Codes of its own: missing-input, unknown-input, wrong-type, window-mismatch, missing-param,
-        unknown-param, wrong-output; whatever else the node raises is "internal", with its cause.
+        unknown-param, wrong-output, wrong-frames; whatever else the node raises is "internal", with its cause.
     """
     wanted = context.wanted or frozenset(declaration.all_outputs)
     context = replace(context, node=context.node or declaration.type, wanted=wanted)

@@ -49,6 +49,7 @@ class FrameWindows:
         for node, output, frame in given:
             self._given.setdefault((node, output), set()).add(frame)
         self._feeds: dict[tuple[str, str], Feeds] = {}
+        self._spans: dict[Feeds, range] = {}
 
     def inputs_of(self, unit: Unit) -> Inputs:
         """Return what a unit reads; of an input that is read on several frames, those that are there.
@@ -60,9 +61,9 @@ class FrameWindows:
         """
         offsets = unit_offsets(self._graph, unit, self._params)
         inputs = unit_inputs(self._graph, unit, offsets)
-        for name in offsets.keys() & inputs.keys():
-            window = inputs[name]
-            inputs[name] = {each: result for each, result in window.items() if each == 0 or self._is_there(result)}
+        for name, window in inputs.items():
+            if name in offsets:
+                inputs[name] = {each: result for each, result in window.items() if each == 0 or self._is_there(result)}
         return inputs
 
     def _is_there(self, result: Result) -> bool:
@@ -73,13 +74,22 @@ class FrameWindows:
             return True
         if not all(frame in self._given[each] for each in feeds.given):
             return False
-        reads = [Unit(read, frame) for read in feeds.reads]
-        frames = {each for unit in reads for each in self._sources.frames_on_disk(unit)}
-        frames.update(*(self._given[each] for each in feeds.given))
-        if not frames or not min(frames) <= frame <= max(frames):
+        if frame not in self._span_of(feeds, frame):
             return False
-        have_pictures = [self._has_picture(unit) for unit in reads]  # of all, so that an error in any is raised
+        # Of all reads, so that an error in any is raised.
+        have_pictures = [self._has_picture(Unit(read, frame)) for read in feeds.reads]
         return all(have_pictures)
+
+    def _span_of(self, feeds: Feeds, frame: int) -> range:
+        """Return the frames from the first to the last that any sequence has; none where there is no sequence.
+
+        It is the same for every ``frame``.
+        """
+        if feeds not in self._spans:
+            frames = {each for read in feeds.reads for each in self._sources.frames_on_disk(Unit(read, frame))}
+            frames.update(*(self._given[each] for each in feeds.given))
+            self._spans[feeds] = range(min(frames), max(frames) + 1) if frames else range(0)
+        return self._spans[feeds]
 
     def _has_picture(self, unit: Unit) -> bool:
         """Return whether a unit that reads has a picture to read, be it of another frame."""

@@ -28,6 +28,7 @@ class Sources:
         self._params = params
         self._options = options
         self._found: dict[Unit, Source] = {}
+        self._sequences: dict[str, Sequence] = {}  # by pattern
         self._on_disk: dict[str, tuple[int, ...]] = {}
 
     def of(self, unit: Unit) -> Source:
@@ -71,7 +72,10 @@ class Sources:
 
     def _sequence(self, unit: Unit) -> Sequence:
         """Return the sequence or single picture that a unit reads."""
-        return Sequence(file_of(self._graph, unit.node, self._params[unit]))
+        pattern = file_of(self._graph, unit.node, self._params[unit])
+        if pattern not in self._sequences:
+            self._sequences[pattern] = Sequence(pattern)
+        return self._sequences[pattern]
 
 
 def file_of(graph: Graph, node: str, values: Mapping[str, Any]) -> str:
