@@ -12,6 +12,7 @@ from flowabs_nodes.nodes.declare import Node, Param, Port
 from flowabs_nodes.nodes.regions import pixelwise, within
 from flowabs_nodes.testing import ComplianceError, check_node, compliance_checks
 from flowabs_nodes.testing.parameters import alternatives
+from tests.engine.windows import MEAN, asking, run_mean
 
 
 def run_gain(context, image, *, gain, mode, keep):
@@ -183,3 +184,50 @@ def test_values_to_try(param, some):
     assert found[: len(some)] == some
     assert param.default not in found
     assert all(param.problem(value) is None for value in found)
+
+
+# ---------------------------------------------------------------------- nodes that read other frames
+
+
+@pytest.mark.parametrize("check", compliance_checks(MEAN), ids=lambda check: check.name)
+def test_a_node_that_reads_other_frames_passes(check):
+    check()
+
+
+def test_flows_and_several_inputs_may_be_read_on_other_frames_too():
+    def run(context, image, flow, *, radius):
+        turned = flow[0].with_pixels(np.mean([each.pixels[..., ::-1] for each in flow.values()], axis=0))
+        return {"image": run_mean(context, image, radius=radius), "flow": turned}
+
+    node = dataclasses.replace(
+        MEAN,
+        inputs=(*MEAN.inputs, Port("flow", "flow", "A flow.", optional=False)),
+        outputs=(*MEAN.outputs, Port("flow", "flow", "Turned.")),
+        run=run,
+        frames=lambda params: {"image": range(-params["radius"], params["radius"] + 1), "flow": (0, -1)},
+    )
+    check_node(node)
+
+
+def needs_all_frames(context, image, *, radius):
+    return image[0].with_pixels(image[radius].pixels - image[0].pixels)
+
+
+def remembers(context, image, *, radius, last=[None]):  # noqa: B006 - the fault that is to be found
+    before, last[0] = last[0], image[0].pixels
+    return image[0].with_pixels(image[0].pixels if before is None else before)
+
+
+@pytest.mark.parametrize(
+    ("name", "node"),
+    [
+        ("asks_for_frames_by_the_rules", asking({"image": (1, 2)})),
+        ("asks_for_frames_by_the_rules", asking(lambda params: {"image": range(-2 * params["radius"], 1)})),
+        ("takes_windows_that_are_cut", asking(MEAN.frames, needs_all_frames)),
+        ("gives_the_same_alone_in_a_run_and_in_another_order", asking(MEAN.frames, remembers)),
+        ("radius_changes_the_picture", asking(MEAN.frames, lambda context, image, *, radius: image[0])),
+    ],
+)
+def test_a_bad_node_that_reads_other_frames_is_caught(name, node):
+    with np.errstate(all="ignore"), pytest.raises(ComplianceError, match=name):
+        check_node(node)

@@ -112,7 +112,7 @@ def run_small(
             continue
         seen.add(node.type)
         given = {}
-        for each in step.inputs.values():
+        for each in step.needs:
             port = loaded.nodes[each.node].declaration.all_outputs[each.output]
             given[f"{each.node}.{each.output}"] = _picture("color" if port.same_as else port.types.split("|")[0])
         outputs = [f"{step.unit.node}.{name}" for name in step.wanted]

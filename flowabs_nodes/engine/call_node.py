@@ -9,19 +9,19 @@ from typing import Any
 import numpy as np
 
 from flowabs_nodes.engine.error_boundary import error_boundary
+from flowabs_nodes.engine.window_inputs import NodeInputs, join_windows
 from flowabs_nodes.errors import ArgumentError, FlowabsError, nearest
 from flowabs_nodes.image import Image, Window
 from flowabs_nodes.nodes.declare import MASK, MIX, Context, Node
 from flowabs_nodes.port_types import pixel_type
 
 
-def call_node(
-    declaration: Node, context: Context, inputs: Mapping[str, Image], params: Mapping[str, Any]
-) -> dict[str, Image]:
+def call_node(declaration: Node, context: Context, inputs: NodeInputs, params: Mapping[str, Any]) -> dict[str, Image]:
     """Compute the outputs of one node that ``context.wanted`` names; all, where it names none.
 
     Inputs are widened to what their port asks for and brought to the data window of the first image input: a mask and
-    ``write``'s layers are cut, and 0 where they have no pixels; any other input must be on that window already.
+    ``write``'s layers are cut, and 0 where they have no pixels; any other input must be on that window already. So are
+    the other frames of an input that the node reads on several, which is given as a dict from frame offset to Image.
     Parameters that are not given take their default; all are checked. The result goes over the input by mask x mix.
 
     Returns
@@ -33,11 +33,12 @@ def call_node(
     ------
     FlowabsError
         With node and frame. Codes of its own: missing-input, unknown-input, wrong-type, window-mismatch, missing-param,
-        unknown-param, wrong-output; whatever else the node raises is "internal", with its cause.
+        unknown-param, wrong-output, wrong-frames; whatever else the node raises is "internal", with its cause.
     """
     wanted = context.wanted or frozenset(declaration.all_outputs)
     context = replace(context, node=context.node or declaration.type, wanted=wanted)
     with error_boundary(context.node, context.frame):
+        declaration, inputs = join_windows(declaration, inputs, params)
         images = fit_inputs(declaration, inputs)
         values = check_params(declaration, params)
         if not declaration.mixes:
@@ -49,13 +50,14 @@ def call_node(
         return _mix_over(images["image"], _call(declaration, context, images, values), first, mask, mix)
 
 
-def call_sink(declaration: Node, context: Context, inputs: Mapping[str, Image], params: Mapping[str, Any]) -> Any:
+def call_sink(declaration: Node, context: Context, inputs: NodeInputs, params: Mapping[str, Any]) -> Any:
     """Call a node without outputs, such as ``write``, and return what its function returns.
 
     Inputs and parameters are treated, and errors raised, as by :func:`call_node`.
     """
     context = replace(context, node=context.node or declaration.type)
     with error_boundary(context.node, context.frame):
+        declaration, inputs = join_windows(declaration, inputs, params)
         images = fit_inputs(declaration, inputs)
         return declaration.run(context, **images, **check_params(declaration, params))
 

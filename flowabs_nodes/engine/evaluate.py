@@ -1,4 +1,4 @@
-"""Computes one frame: the steps of a plan in order, each result held until its last use."""
+"""Computes the steps of a plan in order, each result held until its last use."""
 
 from __future__ import annotations
 
@@ -14,9 +14,11 @@ import numpy as np
 from flowabs_nodes.engine.call_node import call_node, call_sink
 from flowabs_nodes.engine.error_boundary import error_boundary
 from flowabs_nodes.engine.lengths import length_factor, scale_lengths
-from flowabs_nodes.engine.plan import Result, Step, Unit
+from flowabs_nodes.engine.plan import Result, Step, Unit, results_in
 from flowabs_nodes.engine.report import Note
 from flowabs_nodes.engine.resize import scale_image
+from flowabs_nodes.engine.unit_params import Params
+from flowabs_nodes.engine.window_inputs import NodeInputs, own_frame
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node
 from flowabs_nodes.port_types import pixel_type
@@ -29,13 +31,12 @@ if TYPE_CHECKING:
     from flowabs_nodes.graph.model import Graph
     from flowabs_nodes.io.sequences import Source
 
-#: A node's parameters by name.
-Params = Mapping[str, Any]
-
 
 @dataclass
 class Evaluation:
-    """The computation of one frame. ``notes`` and ``timings`` (seconds by node) fill up, also when a node fails.
+    """The computation of one frame, for which nodes may run on other frames too.
+
+    ``notes`` and ``timings`` (seconds by node) fill up, also when a node fails.
 
     Attributes
     ----------
@@ -48,6 +49,8 @@ class Evaluation:
     on_sink
         Called with the name of a node without outputs (``write``) and what its function returned, as soon as it has
         run.
+    on_result
+        Called with each result and its image as soon as it is computed.
     """
 
     graph: Graph
@@ -55,6 +58,7 @@ class Evaluation:
     sources: Mapping[Unit, Source]
     options: RunOptions
     on_sink: Callable[[str, Any], None] = lambda node, what: None
+    on_result: Callable[[Result, Image], None] = lambda result, image: None
     notes: list[Note] = field(default_factory=list)
     timings: dict[str, float] = field(default_factory=dict)
 
@@ -81,14 +85,20 @@ class Evaluation:
             image.expects = expected.get(result, frozenset())
         with remember_finite():
             for step in steps:
-                images = {name: held[result] for name, result in step.inputs.items()}
-                for name, result in step.inputs.items():
-                    images[name].keeps_codes = result not in step.drops
+                images: NodeInputs = {
+                    name: held[needed]
+                    if isinstance(needed, Result)
+                    else {offset: held[result] for offset, result in needed.items()}
+                    for name, needed in step.inputs.items()
+                }
+                for result in step.needs:
+                    held[result].keeps_codes = result not in step.drops
                 with self.timed(step.unit.node):
                     outputs = self._run_step(step, images)
                 for output, image in outputs.items():
                     result = Result(step.unit.node, output, step.unit.frame)
                     held[result], image.expects, image.keeps_codes = image, expected.get(result, frozenset()), True
+                    self.on_result(result, image)
                 for result in step.drops:
                     held.pop(result, None)
                 del images, outputs
@@ -100,10 +110,11 @@ class Evaluation:
         for step in steps:
             space = self.params[step.unit].get("space")
             if space is not None and "image" in step.inputs and self.graph.nodes[step.unit.node].declaration.mixes:
-                spaces.setdefault(step.inputs["image"], set()).add(space)
+                for result in results_in({"image": step.inputs["image"]}):
+                    spaces.setdefault(result, set()).add(space)
         return {result: frozenset(each) for result, each in spaces.items()}
 
-    def _run_step(self, step: Step, images: Mapping[str, Image]) -> dict[str, Image]:
+    def _run_step(self, step: Step, images: NodeInputs) -> dict[str, Image]:
         """Run one step on its inputs and return its outputs by name; what a read node returns is scaled."""
         node, frame = step.unit
         declaration = self.graph.nodes[node].declaration
@@ -111,8 +122,8 @@ class Evaluation:
             frame=frame,
             node=node,
             wanted=step.wanted,
-            note=partial(self._note, node, False),
-            warn=partial(self._note, node, True),
+            note=partial(self._note, step.unit, False),
+            warn=partial(self._note, step.unit, True),
             services=self.options.settings,
         )
         with error_boundary(node, frame):
@@ -129,20 +140,20 @@ class Evaluation:
                 for name, image in outputs.items()
             }
 
-    def _params(self, step: Step, declaration: Node, images: Mapping[str, Image]) -> dict[str, Any]:
+    def _params(self, step: Step, declaration: Node, images: NodeInputs) -> dict[str, Any]:
         """Return the step's parameters with lengths scaled to the picture it looks at, and the file of this frame."""
         params = dict(self.params[step.unit])
         if step.unit in self.sources and declaration.file_param:
             params[declaration.file_param.name] = str(self.sources[step.unit].path)
-        looks_at = next((images[name] for name in declaration.all_inputs if name in images), None)
+        looks_at = next((own_frame(images[name]) for name in declaration.all_inputs if name in images), None)
         factor = length_factor(self.graph.reference_height, self.options.scale, looks_at)
         params, warnings = scale_lengths(declaration, params, factor)
-        self.notes.extend(replace(warning, node=step.unit.node) for warning in warnings)
+        self.notes.extend(replace(warning, node=step.unit.node, frame=step.unit.frame) for warning in warnings)
         return params
 
-    def _note(self, node: str, warning: bool, text: str) -> None:
-        """Add what a node has to say to the notes of this frame."""
-        self.notes.append(Note(text, node, warning))
+    def _note(self, unit: Unit, warning: bool, text: str) -> None:
+        """Add what a node has to say about its frame to the notes."""
+        self.notes.append(Note(text, unit.node, warning, frame=unit.frame))
 
     @contextmanager
     def timed(self, name: str) -> Iterator[None]:

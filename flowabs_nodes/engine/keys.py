@@ -1,8 +1,8 @@
 """Names results by keys: the same key means the same picture, on any machine, on any day.
 
 A node's key is a hash of its type and version, the version of the package it comes from, the parameters that do
-something beside each other, and the keys of its inputs; where it reads a file, of the file's content instead of its
-name. No filter has to run to know it.
+something beside each other, and the keys of its inputs, on all frames that it reads; where it reads a file, of the
+file's content instead of its name. No filter has to run to know it.
 """
 
 from __future__ import annotations
@@ -51,12 +51,21 @@ def unit_keys(
         What the OpenColorIO config in use is called or contains; "" for the one that is built in.
     """
     keys: dict[Unit, str] = {}
+
+    def key_of(result: Result) -> Any:
+        return given.get(result) or [keys[result.unit], result.output]
+
     for step in steps:
         declaration = graph.nodes[step.unit.node].declaration
         keys[step.unit] = node_key(
             declaration,
             params[step.unit],
-            {name: given.get(each) or [keys[each.unit], each.output] for name, each in step.inputs.items()},
+            {
+                name: key_of(needed)
+                if isinstance(needed, Result)
+                else [[offset, key_of(each)] for offset, each in needed.items()]
+                for name, needed in step.inputs.items()
+            },
             content=contents.get(step.unit, ""),
             reference_height=graph.reference_height,
             scale=scale,

@@ -105,9 +105,11 @@ class Node:
     the graph makes up (``write``'s layers). ``upgrades`` maps an older version to a function from that version's
     parameters to the next one's.
 
-    ``frames`` returns, for each input that the node reads on other frames too, their offsets from its own frame, such
-    as ``{"image": (-2, -1, 0, 1, 2)}``. ``run`` gets such an input as a dict from offset to Image, in which frames
-    beyond the ends of the sequence are missing and the node's own frame, 0, always is.
+    ``frames(params)`` returns, for each input that the node reads on other frames too, their offsets from its own
+    frame, such as ``{"image": (-2, -1, 0, 1, 2)}``: different whole numbers from -64 to 64, 0 among them
+    (:mod:`~flowabs_nodes.nodes.frame_offsets`). ``run`` gets such an input as a dict from offset to Image, in order,
+    all of one type and on one data window. 0 is always there; a frame beyond the ends of the sequence, or one that
+    ``missing: skip`` leaves out, is not.
 
     ``region`` returns, for a window of the outputs, the window of each input that it is made from; an input that is
     left out is needed whole, and all are where a node has no ``region``. The parameters are those that ``run`` gets:

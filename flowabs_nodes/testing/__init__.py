@@ -20,6 +20,8 @@ Or, without pytest, ``check_node(MY_NODE)``. It asks of a node that
 - windows, metadata and colour space are kept, and its inputs are left as they were;
 - NaN and Inf give a clean error, or stay in the pixels where they were;
 - an output comes out the same whether asked for alone or with others, a second time, and on any number of threads;
+- a node that reads other frames asks for them by the rules, does without those beyond the ends of a sequence, and gives
+  the same for a frame alone, in a run, and in another order, in which each frame of its inputs is computed once;
 - a node that mixes gives the input where mask or mix is 0, the result where both are 1, and never a mean of ids.
 
 Nodes that read or write files are held to what does not need a picture's content.

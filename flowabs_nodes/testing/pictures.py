@@ -36,6 +36,23 @@ def make_input(kind: PortType, scene: str, height: int, width: int) -> Image:
     return Image(image.pixels, spec, kind, colorspace=image.colorspace, origin=Origin("plate.exr"))
 
 
+def on_frame(image: Image, frame: int) -> Image:
+    """Return the image as another frame of its sequence has it: of its type, each pixel made from the same pixel alone.
+
+    Frame 0 is the image itself. Of other frames numbers are smaller, and channels of directions change places; whole
+    numbers, which name things, are the same on all.
+    """
+    pixels = image.pixels
+    if frame == 0 or pixels.dtype != np.float32:
+        return image
+    if image.type in ("flow", "normal"):
+        return image.with_pixels(np.roll(pixels, frame, axis=2))
+    colors = slice(0, 3) if image.type == "color" else slice(None)
+    changed = pixels.copy()
+    changed[..., colors] *= np.float32(0.75 ** (1 + frame % 7))
+    return image.with_pixels(changed)
+
+
 def _grid(height: int, width: int) -> tuple[Array, Array]:
     y, x = np.mgrid[:height, :width].astype(np.float32)
     return (y + 0.5) / height, (x + 0.5) / width

@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 
 from flowabs_nodes.engine.call_node import call_node
+from flowabs_nodes.engine.error_boundary import error_boundary
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node
-from flowabs_nodes.testing.pictures import make_input
+from flowabs_nodes.nodes.frame_offsets import frame_offsets
+from flowabs_nodes.testing.pictures import make_input, on_frame
 
 
 class ComplianceError(AssertionError):
@@ -26,9 +28,17 @@ def require(holds: bool, otherwise: str) -> None:
 def run_node(
     node: Node, inputs: Mapping[str, Image], params: Mapping[str, Any] | None = None, wanted: str = ""
 ) -> dict[str, Image]:
-    """Return the node's outputs, all or the one wanted, with defaults for what ``params`` leaves out."""
+    """Return the node's outputs, all or the one wanted, with defaults for what ``params`` leaves out.
+
+    Of an input that the node reads on several frames, the other frames are made from its image (:func:`on_frame`).
+    """
     context = Context(node=node.type, wanted=frozenset({wanted} if wanted else ()))
-    return call_node(node, context, inputs, params or {})
+    with error_boundary(node.type):
+        offsets = frame_offsets(node, node.defaults() | dict(params or {}))
+    windows = {
+        name: {offset: on_frame(inputs[name], offset) for offset in offsets[name]} for name in offsets if name in inputs
+    }
+    return call_node(node, context, {**inputs, **windows}, params or {})
 
 
 def inputs_of(node: Node, scene: str, height: int = 20, width: int = 24, optional: bool = True) -> dict[str, Image]:

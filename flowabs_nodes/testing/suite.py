@@ -8,7 +8,7 @@ from functools import partial
 
 from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.nodes.declare import Node
-from flowabs_nodes.testing import checks, parameters, regions
+from flowabs_nodes.testing import checks, frame_windows, parameters, regions
 from flowabs_nodes.testing.running import ComplianceError, require
 
 
@@ -46,6 +46,12 @@ def compliance_checks(node: Node) -> list[Check]:
         }
         if node.region is not None:
             found["works_on_a_region"] = partial(regions.works_on_a_region, node)
+        if node.frames is not None:
+            found |= {
+                "asks_for_frames_by_the_rules": partial(frame_windows.asks_by_the_rules, node),
+                "takes_windows_that_are_cut": partial(frame_windows.takes_windows_that_are_cut, node),
+                "gives_the_same_alone_in_a_run_and_in_another_order": partial(frame_windows.same_in_any_order, node),
+            }
         if node.mixes:
             found["mixes"] = partial(checks.mixes, node)
         for param in node.all_params.values():
