@@ -270,7 +270,7 @@ def test_a_change_of_any_source_makes_another_version(tmp_path):
         archive = tmp_path / f"package{len(versions)}.zip"
         with zipfile.ZipFile(archive, "w") as package:  # read-only by nature
             for file in sorted(PACKAGE.rglob("*.py")):
-                text = file.read_text(encoding="utf-8") + (change if file.name == "exponential.py" else "")
+                text = file.read_text(encoding="utf-8") + (change if file.name == "elementary.py" else "")
                 package.writestr(str(file.relative_to(PACKAGE.parent)), text)
         use = {"PYTHONPATH": str(archive), "XDG_CACHE_HOME": str(tmp_path), "NUMBA_CACHE_DIR": ""}
         versions.append(color(**use)[0])
