@@ -26,9 +26,10 @@ def require(holds: bool, otherwise: str) -> None:
 def run_node(
     node: Node, inputs: Mapping[str, Image], params: Mapping[str, Any] | None = None, wanted: str = ""
 ) -> dict[str, Image]:
-    """Return the node's outputs, all or the one wanted, with defaults for what ``params`` leaves out."""
+    """Return the node's outputs, all or the one wanted, decoded, with defaults for what ``params`` leaves out."""
     context = Context(node=node.type, wanted=frozenset({wanted} if wanted else ()))
-    return call_node(node, context, inputs, params or {})
+    outputs = call_node(node, context, inputs, params or {})
+    return {name: image.decoded() for name, image in outputs.items()}
 
 
 def inputs_of(node: Node, scene: str, height: int = 20, width: int = 24, optional: bool = True) -> dict[str, Image]:
