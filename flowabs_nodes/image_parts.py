@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
+import numpy as np
+import numpy.typing as npt
 import OpenImageIO as oiio
 
 from flowabs_nodes.array_types import Array
@@ -27,6 +29,10 @@ class Window(NamedTuple):
 
 class PixelSource(Protocol):
     """Pixels that are computed when they are asked for, from code values: ``Codes``, or finishing's ``Deferred``."""
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Return the shape of the pixels, (H, W, 3) or (H, W, 4)."""
 
     @property
     def codes(self) -> Codes:
@@ -55,17 +61,30 @@ class Parts(NamedTuple):
     type: PortType
 
 
-def check_parts(pixels: Array | None, spec: oiio.ImageSpec, type: str) -> None:
-    """Raise ArgumentError unless an image of this type can have these channels, and these pixels if they are there."""
+def as_pixels(array: Any, type: str) -> npt.NDArray[Any]:
+    """Return an array as C-contiguous pixels in the type's dtype, not copied if it is that already.
+
+    ArgumentError for anything but an array of real numbers, and for ids that were calculated with.
+    """
+    if not isinstance(array, np.ndarray) or array.dtype.kind not in "fiub":
+        found = f"dtype {array.dtype}" if isinstance(array, np.ndarray) else array.__class__.__name__
+        message = f"expected an array of real numbers, found {found}"
+        raise ArgumentError(message, code="wrong-type", parameter="pixels")
+    return pixel_type(type).cast(array)
+
+
+def check_parts(pixels: Array | PixelSource, spec: oiio.ImageSpec, type: str) -> None:
+    """Raise ArgumentError unless an image of this type can have these channels, and pixels of this shape."""
     declared = pixel_type(type)
     names = tuple(spec.channelnames)
     if declared.channels and names not in declared.channels:
         found = f"not {','.join(names)}"
         expected = declared.expected_channels()
         raise ArgumentError(f"{declared.an_image} has the channels {expected}, {found}", parameter="spec")
-    if pixels is not None and pixels.shape != (spec.height, spec.width, len(names)):
+    shape = getattr(pixels, "shape", None)
+    if shape != (spec.height, spec.width, len(names)):
         raise ArgumentError(
-            f"pixels of shape {pixels.shape} do not fit a data window of {spec.width}x{spec.height} "
+            f"pixels of shape {shape} do not fit a data window of {spec.width}x{spec.height} "
             f"with {len(names)} channels",
             parameter="pixels",
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import copy
 from dataclasses import replace
 from typing import Any
 
@@ -46,7 +47,7 @@ def call_node(declaration: Node, context: Context, inputs: NodeInputs, params: M
         mask, mix = images.pop(MASK.name, None), values.pop(MIX.name)
         first = declaration.outputs[0].name
         if mix == 0 and wanted == {first}:
-            return {first: images["image"]}
+            return {first: copy(images["image"])}
         return _mix_over(images["image"], _call(declaration, context, images, values), first, mask, mix)
 
 
@@ -155,12 +156,19 @@ def _call(
             continue
         image = found.get(name)
         if not isinstance(image, Image):
-            raise _wrong_output(declaration, name, f"an Image, the node returned {type(image).__name__}")
+            raise _wrong_output(declaration, name, f"an Image, the node returned {_kind(image)}")
         kinds = (images[port.same_as].type,) if port.same_as else port.accepts
         if image.type not in kinds:
             raise _wrong_output(declaration, name, f"{' or '.join(kinds)}, the node returned {image.type}")
         outputs[name] = _restore_metadata(images, image, declaration, name)
     return outputs
+
+
+def _kind(value: object) -> str:
+    """Return in words what a node returned in place of an image."""
+    if isinstance(value, np.ndarray):
+        return f"an array of {value.dtype} {value.shape}: image.with_pixels(array) makes an Image"
+    return type(value).__name__
 
 
 def _restore_metadata(images: Mapping[str, Image], image: Image, declaration: Node, name: str) -> Image:
@@ -189,7 +197,8 @@ def _restore_metadata(images: Mapping[str, Image], image: Image, declaration: No
         return image
     for attribute in lost:
         spec.attribute(attribute.name, attribute.type, attribute.value)
-    return Image(image.pixels, spec, image.type, colorspace=image.colorspace, origin=source.origin)
+    pixels = image.deferred or image.pixels
+    return Image(pixels, spec, image.type, colorspace=image.colorspace, origin=source.origin)
 
 
 def _wrong_output(declaration: Node, name: str, what: str) -> FlowabsError:
@@ -213,7 +222,7 @@ def _mix_over(image: Image, outputs: dict[str, Image], first: str, mask: Image |
         if name != first:
             mixed[name] = result.with_pixels(result.pixels * k) if result.type == "color" else result
         elif mix == 0:
-            mixed[name] = image
+            mixed[name] = copy(image)
         elif result.channels != image.channels:
             raise FlowabsError(
                 f"output {name!r} must have the channels of the input to be mixed with it, {','.join(image.channels)}, "

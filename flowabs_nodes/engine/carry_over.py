@@ -60,7 +60,7 @@ class CarryOver:
         """Hold an image that has just been computed, if it was chosen."""
         name = self._to_keep.get(result)
         if name is not None:
-            self._store.put(name, image.alone())  # without the code values that nodes of this frame will make of it
+            self._store.put(name, image)
             self._stored[result] = name
 
 

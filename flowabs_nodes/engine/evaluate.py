@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flowabs_nodes.encodings import remember_encodings
 from flowabs_nodes.engine.call_node import call_node, call_sink
 from flowabs_nodes.engine.error_boundary import error_boundary
 from flowabs_nodes.engine.lengths import length_factor, scale_lengths
@@ -72,18 +73,17 @@ class Evaluation:
         given
             Images that stand in for results that no step computes.
         keep
-            The results to return; all others are let go.
+            The results to return, decoded; all others are let go.
 
         Raises
         ------
         FlowabsError
             Whatever went wrong, with node and frame.
         """
-        held = {result: image.alone() for result, image in given.items()}
-        expected = self._expected(steps)
-        for result, image in held.items():
-            image.expects = expected.get(result, frozenset())
-        with remember_finite():
+        held, expected = dict(given), self._expected(steps)
+        with remember_finite(), remember_encodings() as encodings:
+            for result, image in held.items():
+                encodings.expect(image, expected.get(result, frozenset()))
             for step in steps:
                 images: NodeInputs = {
                     name: held[needed]
@@ -92,17 +92,23 @@ class Evaluation:
                     for name, needed in step.inputs.items()
                 }
                 for result in step.needs:
-                    held[result].keeps_codes = result not in step.drops
+                    encodings.keep(held[result], result not in step.drops)
                 with self.timed(step.unit.node):
                     outputs = self._run_step(step, images)
                 for output, image in outputs.items():
                     result = Result(step.unit.node, output, step.unit.frame)
-                    held[result], image.expects, image.keeps_codes = image, expected.get(result, frozenset()), True
+                    held[result] = image
+                    encodings.expect(image, expected.get(result, frozenset()))
                     self.on_result(result, image)
                 for result in step.drops:
                     held.pop(result, None)
                 del images, outputs
-        return {result: given.get(result) or held[result] for result in keep}
+            return {result: self._decoded(result, given.get(result) or held[result]) for result in keep}
+
+    def _decoded(self, result: Result, image: Image) -> Image:
+        """Return a result as it leaves the engine, with pixels in place of code values."""
+        with self.timed(result.node), error_boundary(result.node, result.frame):
+            return image.decoded()
 
     def _expected(self, steps: Collection[Step]) -> dict[Result, frozenset[str]]:
         """Return, for each picture, the spaces in which later steps smooth it."""

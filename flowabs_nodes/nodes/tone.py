@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 
+from flowabs_nodes.array_types import Array
+from flowabs_nodes.finishing.deferred import with_operation
+from flowabs_nodes.finishing.operations import Quantize
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
 from flowabs_nodes.nodes.regions import pixelwise
 
 
 def run_exposure(context: Context, image: Image, *, stops: float) -> Image:
-    pixels = image.pixels.copy()
-    pixels[..., :3] *= np.float32(2.0**stops)
-    return image.with_pixels(pixels)
+    gain = np.float32(2.0**stops)
+
+    def brighten(rows: Array, first_row: int) -> None:
+        rows[..., :3] *= gain
+
+    return with_operation(image, brighten, context.node)
 
 
 EXPOSURE = Node(
@@ -34,15 +40,7 @@ EXPOSURE = Node(
 
 
 def run_quantize(context: Context, image: Image, *, levels: int, softness: float) -> Image:
-    # What numba compiles is not imported for a declaration.
-    from flowabs_nodes.finishing.deferred import then
-    from flowabs_nodes.finishing.fused import quantized
-    from flowabs_nodes.finishing.operations import Quantize
-
-    finished = then(image.deferred, Quantize(levels, softness))
-    if finished is not None:  # nobody needs the picture that is not flat
-        return image.with_deferred(finished)
-    return image.with_pixels(quantized(image.pixels, levels, softness, image.colorspace))
+    return with_operation(image, Quantize(levels, softness))
 
 
 QUANTIZE = Node(

@@ -8,8 +8,6 @@ from functools import partial
 
 import numpy as np
 
-from flowabs_nodes.array_types import Array
-from flowabs_nodes.choices import SPACES
 from flowabs_nodes.engine.call_node import call_node, call_sink
 from flowabs_nodes.engine.error_boundary import InternalError
 from flowabs_nodes.errors import FlowabsError
@@ -95,23 +93,16 @@ def keeps_windows_and_metadata(node: Node) -> None:
 
 
 def leaves_inputs_alone(node: Node) -> None:
-    """Check that pixels and code values of the inputs are the same after a run."""
+    """Check that a run writes on none of its inputs' arrays: they are read-only, and their pixels the same after it."""
     for scene in SCENES:
         inputs = inputs_of(node, scene)
-        before = {name: _content(image) for name, image in inputs.items()}
-        run_node(node, inputs)
+        before = {name: image.pixels.copy() for name, image in inputs.items()}
+        try:
+            run_node(node, inputs)
+        except InternalError as error:
+            raise ComplianceError(f"{scene}: {error}") from error
         for name, image in inputs.items():
-            same = all(np.array_equal(a, b) for a, b in zip(before[name], _content(image, copy=False), strict=True))
-            require(same, f"{scene}: input {name!r} was changed")
-
-
-def _content(image: Image, copy: bool = True) -> list[Array]:
-    """Return the pixels, and the code values that all nodes share."""
-    held = [image.pixels]
-    if image.type == "color":
-        for space in SPACES:
-            held += [image.encoded(space), image.encoded_mono(space), image.encoded(space, ground=1.0)]
-    return [np.array(each) for each in held] if copy else held
+            require(np.array_equal(before[name], image.pixels), f"{scene}: input {name!r} was changed")
 
 
 def survives_nan_and_inf(node: Node) -> None:
@@ -170,7 +161,7 @@ def _mixes(node: Node, inputs: dict[str, Image]) -> None:
     """Check mask and mix on these inputs."""
     image, first = inputs["image"], node.outputs[0].name
     full = run_node(node, inputs)[first]
-    require(run_node(node, inputs, {"mix": 0})[first] is image, "mix 0 must give the input itself")
+    require(equal(run_node(node, inputs, {"mix": 0})[first], image), "mix 0 must give the input")
     half = np.zeros(image.pixels.shape[:2], np.float32)
     half[:, ::2] = 1
     masked = run_node(node, inputs | {MASK.name: image.with_pixels(half, "matte")})[first].pixels

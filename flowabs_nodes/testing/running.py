@@ -28,7 +28,7 @@ def require(holds: bool, otherwise: str) -> None:
 def run_node(
     node: Node, inputs: Mapping[str, Image], params: Mapping[str, Any] | None = None, wanted: str = ""
 ) -> dict[str, Image]:
-    """Return the node's outputs, all or the one wanted, with defaults for what ``params`` leaves out.
+    """Return the node's outputs, all or the one wanted, decoded, with defaults for what ``params`` leaves out.
 
     Of an input that the node reads on several frames, the other frames are made from its image (:func:`on_frame`).
     """
@@ -38,7 +38,8 @@ def run_node(
     windows = {
         name: {offset: on_frame(inputs[name], offset) for offset in offsets[name]} for name in offsets if name in inputs
     }
-    return call_node(node, context, {**inputs, **windows}, params or {})
+    outputs = call_node(node, context, {**inputs, **windows}, params or {})
+    return {name: image.decoded() for name, image in outputs.items()}
 
 
 def inputs_of(node: Node, scene: str, height: int = 20, width: int = 24, optional: bool = True) -> dict[str, Image]:
