@@ -45,7 +45,7 @@ def on_frame(image: Image, frame: int) -> Image:
     pixels = image.pixels
     if frame == 0 or pixels.dtype != np.float32:
         return image
-    if image.type in ("flow", "normal"):
+    if pixel_type(image.type).unit:
         return image.with_pixels(np.roll(pixels, frame, axis=2))
     colors = slice(0, 3) if image.type == "color" else slice(None)
     changed = pixels.copy()
