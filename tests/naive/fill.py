@@ -22,7 +22,7 @@ def flow_fill(tangent: Float64, magnitude: Float64, fill: float) -> Float64:
     weight = magnitude**2 * alpha
     own = tangent[..., :, None] * tangent[..., None, :]
     sums, weights = np.zeros((height, width, 2, 2)), np.zeros((height, width))
-    levels = range(1, max(1, int(np.ceil(np.log2(max(height, width) / 2)))) + 1)
+    levels = range(max(1, int(np.ceil(np.log2(max(height, width) / 2)))) + 1)
     for k in levels:
         along_y, along_x = smoothing(height, k), smoothing(width, k)
         sums += 0.5**k * np.einsum("yj,jiab,xi->yxab", along_y, weight[..., None, None] * own, along_x, optimize=True)
@@ -39,18 +39,21 @@ def flow_fill(tangent: Float64, magnitude: Float64, fill: float) -> Float64:
 
 
 def smoothing(size: int, level: int) -> Float64:
-    """Return the matrix that smooths an axis of ``size`` pixels: nearly a Gaussian of sigma 1.4 * 2^level pixels.
+    """Return the matrix that smooths an axis of ``size`` pixels, nearly by a Gaussian of sigma 1.2 to 1.4 * 2^level.
 
-    It goes to samples of every 2^level-th pixel, and back by the same filter. Its rows sum to 1 far from the ends.
+    It goes to samples of every 2^level-th pixel, and back by the same filter. Level 0 is a binomial filter of the same
+    kind. Rows sum to 1 far from the ends.
     """
+    if level == 0:
+        return np.array([[_binomial(6, x - y) for y in range(size)] for x in range(size)])
     down, at = np.eye(size), np.arange(size)  # row i of ``down`` is the sample at position at[i], in its level's steps
     for _ in range(level):
         coarse = np.arange((at[0] - 6) // 2, (at[-1] + 6) // 2 + 1)
-        down = np.array([[_binomial(j - 2 * i) for j in at] for i in coarse]) @ down
+        down = np.array([[_binomial(12, j - 2 * i) for j in at] for i in coarse]) @ down
         at = coarse
     return 2**level * down.T @ down
 
 
-def _binomial(offset: int) -> float:
-    """Return the weight of a sample of the binomial filter of order 12."""
-    return comb(12, 6 + offset) / 2**12 if abs(offset) <= 6 else 0.0
+def _binomial(order: int, offset: int) -> float:
+    """Return the weight of the sample at ``offset`` in the binomial filter of an even order."""
+    return comb(order, order // 2 + offset) / 2**order if abs(offset) <= order // 2 else 0.0

@@ -30,9 +30,10 @@ from flowabs_nodes.simd.memory import load, load_pairs, store, store_pairs
 MARGIN = 6
 #: Rows of a ring buffer: at least the thirteen of the filter, a power of two.
 RING = 16
+#: The weight of each scale's Gaussian, whose integral is 1, beside that of the next finer scale.
+DECAY = 0.5
 
 _B0, _B1, _B2, _B3, _B4, _B5, _B6 = (math.comb(12, 6 + j) / 2**12 for j in range(MARGIN + 1))
-_DECAY = 0.5  # the weight of each level's Gaussian, whose integral is 1, beside that of the next finer level
 
 
 def first_level(planes: int, height: int, width: int) -> Array:
@@ -156,4 +157,4 @@ def _pull(first: int, last: int, coarse: Array, level: Array) -> None:
             for e in range(0, level.shape[2] // 2, LANES):
                 own_even, own_odd = load_pairs(level[p, j], 2 * e)
                 even, odd = enlarged_row(smoothed, e)
-                store_pairs(level[p, j], 2 * e, (own_even + _DECAY * even, own_odd + _DECAY * odd))
+                store_pairs(level[p, j], 2 * e, (own_even + DECAY * even, own_odd + DECAY * odd))
