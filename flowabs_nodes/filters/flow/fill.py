@@ -87,6 +87,12 @@ class Pixels(NamedTuple):
 
 
 @inlined
+def _inverse(certain: float) -> float:
+    """Return 1 / ``certain``, or 2^126 where ``certain`` is smaller than that allows."""
+    return 1.0 / max(certain, 2.0**-126)
+
+
+@inlined
 def _weigh_row(
     tangent: Array, magnitude: Array, scale: float, certain: float, first: int, width: int, weighed: Array
 ) -> None:
@@ -95,13 +101,13 @@ def _weigh_row(
     ``certain`` is fill^2 in the scale of ``scale``. Zero tangents have no weight.
     """
     # Weights are only compared with each other, so they need not become as small as the certainties of a huge fill.
-    full = min(certain, np.float32(1.0))
+    inverse = _inverse(min(certain, np.float32(1.0)))
     for x0 in range(0, width, LANES):
         x = min(x0, width - LANES)
         tx, ty = load_pairs(tangent, 2 * (first + x))
         m = load(magnitude, first + x) * scale
         xx, yy, power = tx * tx, ty * ty, m * m
-        weight = select(xx + yy > 0.0, power * select(power < full, power / full, 1.0), 0.0)
+        weight = select(xx + yy > 0.0, power * minimum(power * inverse, 1.0), 0.0)
         store(weighed[0], MARGIN + x, weight * (xx - yy))
         store(weighed[1], MARGIN + x, weight * (2.0 * tx * ty))
         store(weighed[2], MARGIN + x, weight)
@@ -136,7 +142,7 @@ def _pull_pixels(first: int, last: int, pixels: Pixels, certain: float, level: A
     ``level`` holds the sums over all but the finest scale.
     """
     tangent, magnitude, scale, height, width = pixels
-    size = level.shape[2] + 2 * LANES
+    inverse, size = _inverse(certain), level.shape[2] + 2 * LANES
     smoothed, coarse = np.zeros(size, np.float32), np.empty((3, 2 * size), np.float32)
     weighed = np.zeros((3, 2 * size), np.float32)
     ring = np.zeros((8, 3, 2 * size), np.float32)
@@ -166,7 +172,7 @@ def _pull_pixels(first: int, last: int, pixels: Pixels, certain: float, level: A
             missing = tx * tx + ty * ty == 0.0
             weak = missing | (power < certain)
             if any_lane(weak):
-                alpha = select(missing, 0.0, minimum(power / certain, 1.0))
+                alpha = select(missing, 0.0, minimum(power * inverse, 1.0))
                 weight = _finest(ring, 2, y, x) + DECAY * load(coarse[2], MARGIN + x)
                 rest = select(weight > 0.0, (1.0 - alpha) / weight, 0.0)
                 c = _finest(ring, 0, y, x) + DECAY * load(coarse[0], MARGIN + x)
