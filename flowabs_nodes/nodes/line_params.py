@@ -134,6 +134,15 @@ ALONG_FLOW = (
         enabled_when=PAPER_FORM,
         help="How much differences of colour add to those of lightness; 0 is lightness alone (the paper).",
     ),
+    Param.bool(
+        "color_sign",
+        False,
+        label="Edges of equal lightness",
+        group="Response",
+        enabled_when=PAPER_FORM,
+        help="Draw edges between colours of equal lightness too, where color_weight is above 0: colour then says which "
+        "side is the dark one. false leaves them out.",
+    ),
     Param.float(
         "smooth",
         0.0,

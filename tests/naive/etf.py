@@ -1,9 +1,11 @@
-"""The edge tangent flow of section 2, neighbour by neighbour, and the confidence fill, cell by cell, in float64."""
+"""The edge tangent flow of section 2, neighbour by neighbour, in float64."""
 
 from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
+
+from tests.naive.fill import flow_fill
 
 Float64 = npt.NDArray[np.float64]
 
@@ -70,50 +72,6 @@ def _smooth(tangent: Float64, strength: Float64, offsets: list[tuple[int, int]])
         total[here] += (phi * w_m * w_d)[..., None] * tangent[there]  # eq. 1
     k = np.linalg.norm(total, axis=-1, keepdims=True)
     return np.where(k > 0, total / np.where(k > 0, k, 1), tangent)
-
-
-def flow_fill(tangent: Float64, magnitude: Float64, fill: float) -> Float64:
-    """Return the major eigenvectors of a push-pull pyramid of m^2 t t^T; tangents of m >= ``fill`` stay as they are."""
-    confidence = magnitude**2
-    tensor = confidence[..., None, None] * tangent[..., :, None] * tangent[..., None, :]
-    blended = _fill_level(tensor, confidence, fill, 0)
-    filled = tangent.copy()
-    for y, x in np.argwhere((confidence < fill**2) | (confidence == 0)):
-        values, vectors = np.linalg.eigh(blended[y, x])
-        if values[1] - values[0] > 1e-9:
-            filled[y, x] = vectors[:, 1]
-        elif confidence[y, x] == 0:
-            filled[y, x] = 1, 0
-    return filled
-
-
-def _fill_level(tensor: Float64, confidence: Float64, fill: float, level: int) -> Float64:
-    """Return the blended tensors of one level, whose cells are 2^level pixels wide: (rows, columns, 2, 2)."""
-    size = 2**level
-    height, width = (-(-n // size) for n in confidence.shape)
-    coarser = _fill_level(tensor, confidence, fill, level + 1) if max(height, width) > 1 else None
-    blended = np.zeros((height, width, 2, 2))
-    for j in range(height):
-        for i in range(width):
-            cell = np.s_[j * size : (j + 1) * size, i * size : (i + 1) * size]
-            own, weight = tensor[cell].mean((0, 1)), confidence[cell].mean()
-            alpha = 0.0 if weight == 0 else 1.0 if weight >= fill**2 else weight / fill**2
-            if coarser is None:
-                blended[j, i] = own / weight if weight > 0 else 0
-            else:
-                below = _bilinear(coarser, (j + 0.5) / 2 - 0.5, (i + 0.5) / 2 - 0.5)
-                blended[j, i] = alpha * own / (weight if weight > 0 else 1) + (1 - alpha) * below
-    return blended
-
-
-def _bilinear(cells: Float64, y: float, x: float) -> Float64:
-    """Return the tensor at (x, y) in units of cells, whose centres are whole numbers; the border is repeated."""
-    y0, x0 = int(np.floor(y)), int(np.floor(x))
-    value = np.zeros(cells.shape[2:])
-    for j, i in ((y0, x0), (y0, x0 + 1), (y0 + 1, x0), (y0 + 1, x0 + 1)):
-        weight = (1 - abs(y - j)) * (1 - abs(x - i))
-        value += weight * cells[np.clip(j, 0, cells.shape[0] - 1), np.clip(i, 0, cells.shape[1] - 1)]
-    return value
 
 
 def degrees_between(flow: npt.ArrayLike, other: npt.ArrayLike) -> Float64:

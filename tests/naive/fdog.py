@@ -28,14 +28,24 @@ def across(image: Float64, t: Float64, f: Float64, dx: Float64 | float = 0, dy: 
     )
 
 
-def fdog(code, flow, sigma_m=3.0, sigma_c=1.0, rho=0.99, color_weight=0.0, kernel="separable", sampling="bilinear"):
+def fdog(
+    code,
+    flow,
+    sigma_m=3.0,
+    sigma_c=1.0,
+    rho=0.99,
+    color_weight=0.0,
+    kernel="separable",
+    sampling="bilinear",
+    color_sign=False,
+):
     """Return H by eqs. 10 and 11 ("separable") or eq. 6 ("full"); of (H, W, 3) also with the responses of colour."""
     code, flow = np.asarray(code, np.float64), np.asarray(flow, np.float64)
     if code.ndim == 3:
         d = [fdog(code[..., k], flow, sigma_m, sigma_c, rho, 0, kernel, sampling) for k in range(3)]
         if color_weight == 0:
             return d[0]
-        return np.tanh(2 * d[0]) * np.sqrt(d[0] ** 2 + color_weight**2 * (d[1] ** 2 + d[2] ** 2))
+        return _joined(d[0], color_weight * d[1], color_weight * d[2], color_sign)
     f = taps(sigma_c, rho)
     if kernel == "separable":
         return along(across(code, flow, f), flow, sigma_m, sampling)
@@ -50,6 +60,16 @@ def fdog(code, flow, sigma_m=3.0, sigma_c=1.0, rho=0.99, color_weight=0.0, kerne
                 dy = np.clip(y + np.rint(dy), 0, code.shape[0] - 1) - y
             total = total + weights[steps + way * s] * across(code, t, f, dx, dy)  # eq. 6
     return total
+
+
+def _joined(d_l: Float64, m_a: Float64, m_b: Float64, color_sign: bool) -> Float64:
+    """Join the responses of lightness and of two channels of colour, which are weighted already."""
+    m_c = np.hypot(m_a, m_b)
+    t = np.ones(d_l.shape)
+    if color_sign:
+        ramp = np.clip((np.abs(d_l) / np.where(m_c > 0, m_c, 1) - 0.1) / 0.2, 0, 1)
+        t = np.where(m_c > 0, ramp**2 * (3 - 2 * ramp), 1)
+    return np.hypot(d_l, m_c) * (t * np.tanh(2 * d_l) + (1 - t) * np.tanh(2 * (0.4 * m_a + 0.7 * m_b)))
 
 
 def threshold(response, tau=0.5, contrast=None, softness=0.0):

@@ -102,7 +102,7 @@ def etf_and_reference(
     measured = gradient.measured(code, pre_blur)
     tangent, magnitude = measured.gradient
     if fill is not None and not (fill == 0 and measured.everywhere):
-        tangent = flow_fill(tangent, magnitude, fill, measured.largest, in_place=True)
+        tangent = flow_fill(tangent, magnitude, fill, measured.largest)
     reference = gradient.reference(measured, gradient_reference)
     if iterations == 0 or radius <= 1:
         return tangent, reference

@@ -14,10 +14,15 @@ from flowabs_nodes.filters.flow.flow_blur import along, as_planes
 from flowabs_nodes.filters.lines.dog_line import across
 from flowabs_nodes.sampling.exact_sums import exact_sum
 from flowabs_nodes.simd.elementary import LOG2_E, exp2_of_negative
-from flowabs_nodes.simd.jit import kernel
-from flowabs_nodes.simd.lanes import absolute, select, splat_floats, sqrt
+from flowabs_nodes.simd.jit import inlined, kernel
+from flowabs_nodes.simd.lanes import Floats, absolute, maximum, minimum, select, splat_floats, sqrt
 from flowabs_nodes.simd.memory import load, store
 from flowabs_nodes.simd.pixelwise import as_picture, as_run, empty_run, first_pixel, over_pixels
+
+# Below the first of these |d_L| / m_c the sign of H is that of colour alone, above the second that of lightness alone.
+_COLOR_ALONE, _LIGHTNESS_ALONE = 0.1, 0.3
+# How light red (a) and yellow (b) count as where lightness decides nothing.
+_DARK_A, _DARK_B = 0.4, 0.7
 
 
 def fdog(
@@ -29,6 +34,7 @@ def fdog(
     color_weight: float = 0.0,
     kernel: str = "separable",
     sampling: str = "bilinear",
+    color_sign: bool = False,
 ) -> Array:
     """Return the response H of the FDoG filter, eqs. 6-8, 10, 11: below 0 on dark lines and on the dark side of edges.
 
@@ -47,7 +53,7 @@ def fdog(
         constant, H = (1 - rho) I.
     color_weight
         Weight w of the second and third channel, 0 to 1e6: with d_L, d_a, d_b the responses of the three channels,
-        H = tanh(2 d_L) sqrt(d_L^2 + w^2 (d_a^2 + d_b^2)).
+        H = M tanh(2 d_L), M = sqrt(d_L^2 + w^2 (d_a^2 + d_b^2)).
     kernel
         "separable": sum across the flow, then along it (eqs. 10, 11); "full": eq. 6, with a gradient axis through every
         point of the streamline rather than through the pixels near the point. "full" costs as many times more as the
@@ -55,6 +61,10 @@ def fdog(
     sampling
         How samples are taken along the streamline, "bilinear" or at the "nearest" pixel. Samples along the gradient
         axis are always bilinear.
+    color_sign
+        Whether edges of equal lightness are drawn: where |d_L| is small beside m_c = w sqrt(d_a^2 + d_b^2), the dark
+        side of an edge is that of less 0.4 a + 0.7 b. With t = smoothstep(0.1, 0.3, |d_L| / m_c), 1 where m_c is 0,
+        H = M (t tanh(2 d_L) + (1 - t) tanh(2 w (0.4 d_a + 0.7 d_b))). Counts with ``color_weight``.
 
     Returns
     -------
@@ -67,7 +77,7 @@ def fdog(
     """
     code = validate.plane_or_planes("code", code)
     flow = validate.flow_field(flow, code.shape)
-    detector = Detector.checked(sigma_m, sigma_c, rho, color_weight, kernel, sampling)
+    detector = Detector.checked(sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign)
     return detector.response(as_planes(code if color_weight > 0 or code.ndim == 2 else code[..., 0]), flow)
 
 
@@ -80,10 +90,18 @@ class Detector:
     color_weight: float
     full: bool
     sampling: str
+    color_sign: bool
 
     @classmethod
     def checked(
-        cls, sigma_m: float, sigma_c: float, rho: float, color_weight: float, kernel: str, sampling: str
+        cls,
+        sigma_m: float,
+        sigma_c: float,
+        rho: float,
+        color_weight: float,
+        kernel: str,
+        sampling: str,
+        color_sign: bool,
     ) -> Detector:
         """Return the filter with the parameters of :func:`fdog`; raise ArgumentError for a bad one."""
         sigma_m = validate.number("sigma_m", sigma_m, min=0, max=10_000)
@@ -95,6 +113,7 @@ class Detector:
             color_weight=validate.number("color_weight", color_weight, min=0, max=1e6),
             full=validate.choice("kernel", kernel, FDOG_KERNELS) == "full",
             sampling=validate.choice("sampling", sampling, SAMPLINGS),
+            color_sign=validate.flag("color_sign", color_sign),
         )
 
     def response(self, planes: Array, flow: Array) -> Array:
@@ -110,24 +129,44 @@ class Detector:
         # A picture of one channel has no colour: the kernel gets its lightness three times, and reads it once.
         channels = [as_run(responses[min(c, len(responses) - 1)]) for c in range(3)]
         joined, weight = empty_run(responses[0].size), np.float32(self.color_weight)
-        over_pixels(_join_channels, joined.size, *channels, len(responses) > 1, weight, joined)
+        over_pixels(_join_channels, joined.size, *channels, len(responses) > 1, weight, self.color_sign, joined)
         return as_picture(joined, *flow.shape[:2])
 
 
 @kernel
 def _join_channels(
-    first: int, last: int, lightness: Array, a: Array, b: Array, is_color: bool, weight: float, joined: Array
+    first: int,
+    last: int,
+    lightness: Array,
+    a: Array,
+    b: Array,
+    is_color: bool,
+    weight: float,
+    color_sign: bool,
+    joined: Array,
 ) -> None:
-    """Join the channels' responses to H = tanh(2 d_L) sqrt(d_L^2 + w^2 (d_a^2 + d_b^2)), w being ``weight``.
+    """Join the channels' responses to H = M tanh(2 d_L), M = sqrt(d_L^2 + w^2 (d_a^2 + d_b^2)), w being ``weight``.
 
-    Writes the blocks ``first`` .. ``last`` - 1 of sixteen pixels; ``a`` and ``b`` count where ``is_color``.
+    Where ``color_sign``, colour decides the sign in the place of lightness where lightness has next to none. Writes the
+    blocks ``first`` .. ``last`` - 1 of sixteen pixels; ``a`` and ``b`` count where ``is_color``.
     """
     for block in range(first, last):
         i = first_pixel(block, joined.size)
         d, da, db = load(lightness, i), splat_floats(0.0), splat_floats(0.0)
         if is_color:
             da, db = load(a, i) * weight, load(b, i) * weight
-        # tanh(2 |d|) = (1 - e) / (1 + e) with e = exp(-4 |d|)
-        e = exp2_of_negative(absolute(d) * (-4 * LOG2_E))
-        strength = (1.0 - e) / (1.0 + e) * sqrt(d * d + da * da + db * db)
-        store(joined, i, select(d < 0.0, -strength, strength))
+        sign = _tanh_of_twice(d)
+        if is_color and color_sign:
+            chroma, slight = sqrt(da * da + db * db), absolute(d)
+            t = minimum(maximum((slight / chroma - _COLOR_ALONE) / (_LIGHTNESS_ALONE - _COLOR_ALONE), 0.0), 1.0)
+            t = select(chroma > 0.0, t * t * (3.0 - 2.0 * t), 1.0)
+            sign = t * sign + (1.0 - t) * _tanh_of_twice(_DARK_A * da + _DARK_B * db)
+        store(joined, i, sign * sqrt(d * d + da * da + db * db))
+
+
+@inlined
+def _tanh_of_twice(d: Floats) -> Floats:
+    """Return tanh(2 d): tanh(2 |d|) = (1 - e) / (1 + e) with e = exp(-4 |d|)."""
+    e = exp2_of_negative(absolute(d) * (-4 * LOG2_E))
+    tanh = (1.0 - e) / (1.0 + e)
+    return select(d < 0.0, -tanh, tanh)

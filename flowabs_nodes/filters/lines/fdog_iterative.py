@@ -34,6 +34,7 @@ def fdog_iterative(
     p: float = 20.0,
     epsilon: float = 0.0,
     phi: float = 0.01,
+    color_sign: bool = False,
 ) -> tuple[Array, Array]:
     """Draw lines by several passes of FDoG: each pass filters the original picture with the last pass's ink over it.
 
@@ -42,7 +43,7 @@ def fdog_iterative(
 
     Parameters
     ----------
-    code, flow, sigma_m, sigma_c, rho, color_weight, kernel, sampling
+    code, flow, sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign
         As the parameters of :func:`~flowabs_nodes.filters.fdog`.
     tau, contrast, softness
         As the parameters of :func:`~flowabs_nodes.filters.threshold`.
@@ -68,7 +69,7 @@ def fdog_iterative(
     flow = validate.flow_field(flow, code.shape)
     is_xdog = validate.choice("form", form, FORMS) == "xdog"
     rho = xdog_rho(p) if is_xdog else rho
-    detector = Detector.checked(sigma_m, sigma_c, rho, color_weight, kernel, sampling)
+    detector = Detector.checked(sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign)
     iterations = validate.whole("iterations", iterations, min=1)
     pre_blur = validate.number("pre_blur", pre_blur, min=0, max=10_000)
 

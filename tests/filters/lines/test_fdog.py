@@ -3,7 +3,7 @@ import pytest
 
 from flowabs_nodes.choices import SAMPLINGS
 from flowabs_nodes.errors import ArgumentError
-from flowabs_nodes.filters import fdog, threshold
+from flowabs_nodes.filters import etf, fdog, threshold
 from tests.filters.flows import THIN, cases, large, random_flow
 from tests.naive import fdog as naive
 
@@ -85,6 +85,66 @@ def test_lines_from_colour(name):
 
 
 @pytest.mark.parametrize("name", ["photo", "noise"])
+@pytest.mark.parametrize("weight", [0.5, 3.0])
+def test_lines_from_colour_of_equal_lightness(name, weight):
+    image, flow = cases()[name]
+    flat = np.concatenate([0.1 * image[..., :1], image[..., 1:]], -1)  # lightness decides here and colour there
+    response = fdog(flat, flow, color_weight=weight, color_sign=True)
+    expected = naive.fdog(flat, flow, color_weight=weight, color_sign=True)
+    np.testing.assert_allclose(response, expected, rtol=0, atol=1e-3)
+    assert abs(response - fdog(flat, flow, color_weight=weight)).max() > 2
+
+
+def test_where_there_is_no_colour_the_sign_is_that_of_lightness():
+    image, flow = cases()["photo"]
+    grey = np.stack([image[..., 0], np.full(flow.shape[:2], 3), np.full(flow.shape[:2], -7)], -1)
+    for code in (image[..., 0], np.float32(grey)):
+        with_sign, without = (fdog(code, flow, rho=1, color_weight=1, color_sign=sign) for sign in (True, False))
+        np.testing.assert_allclose(with_sign, without, rtol=0, atol=1e-3)
+    np.testing.assert_array_equal(fdog(image, flow, color_sign=True), fdog(image, flow))  # nor where colour has none
+    constant = np.full((20, 30, 3), 90, np.float32)
+    np.testing.assert_allclose(fdog(constant, flow[:20, :30], rho=1, color_weight=1, color_sign=True), 0, atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("left", "right"),
+    [
+        ((60, 50), (-60, 40)),  # red and green
+        ((60, 50), (20, -90)),  # red and blue
+        ((40, 80), (-30, -20)),  # orange and teal
+        ((0, 0), (30, 10)),  # grey and pink
+        ((0, -40), (0, 40)),  # blue and yellow
+        ((50, 0), (-50, 0)),  # magenta and green
+    ],
+)
+@pytest.mark.parametrize("kernel", ["separable", "full"])
+def test_an_edge_of_equal_lightness_is_one_line_beside_it(left, right, kernel):
+    code = np.full((40, 60, 3), 130.0)
+    code[:, :30, 1:], code[:, 30:, 1:] = left, right
+    flow = np.zeros((40, 60, 2))
+    flow[..., 1] = 1
+    options = {"rho": 1.0, "color_weight": 0.5, "kernel": kernel}
+    ink = threshold(fdog(code, flow, color_sign=True, **options), contrast=1.0) == 0
+    assert ink[:, 28:32].any(axis=1).all()  # the whole edge
+    assert 1 <= ink.sum(axis=1).max() <= 3  # on one side of it
+    assert not ink[:, :27].any()
+    assert not ink[:, 33:].any()
+    assert threshold(fdog(code, flow, **options), contrast=1.0).all()
+
+
+def test_a_thin_shape_of_equal_lightness_is_outlined():
+    code = np.full((60, 60, 3), 130.0)
+    y, x = np.mgrid[:60, :60]
+    r = np.hypot(x - 30, y - 30)
+    code[..., 1:] = np.where((r < 18)[..., None], (55, 15), (-5, -45))  # a petal before the sky
+    flow = etf(code)
+    ink = threshold(fdog(code, flow, rho=1, color_weight=0.5, color_sign=True), contrast=1.0) == 0
+    assert np.abs(r[ink] - 18).max() < 4
+    around = np.degrees(np.arctan2(y - 30, x - 30))[ink]
+    assert np.unique(np.round(around / 10)).size >= 36
+
+
+@pytest.mark.parametrize("name", ["photo", "noise"])
 def test_full_and_separable_are_one_when_the_curve_is_read_at_pixels(name):
     image, flow = cases()[name]
     full, separable = (fdog(image[..., 0], flow, kernel=kernel, sampling="nearest") for kernel in ("full", "separable"))
@@ -135,7 +195,7 @@ def test_any_memory_layout_and_dtype_gives_the_same():
 @pytest.mark.parametrize("kernel", ["separable", "full"])
 def test_every_number_of_threads_gives_the_same_bits(each_thread_count, kernel):
     image, flow = cases()["noise"]
-    one, *others = each_thread_count(lambda: fdog(image, flow, color_weight=0.5, kernel=kernel))
+    one, *others = each_thread_count(lambda: fdog(image, flow, color_weight=0.5, kernel=kernel, color_sign=True))
     for other in others:
         np.testing.assert_array_equal(one, other)
 
@@ -159,6 +219,7 @@ def test_tiles_may_begin_in_any_row(each_thread_count, sampling):
         ({"sigma_c": 0}, "sigma_c"),
         ({"rho": 2.1}, "rho"),
         ({"color_weight": -1}, "color_weight"),
+        ({"color_sign": 1}, "color_sign"),
         ({"kernel": "fast"}, "kernel"),
         ({"sampling": "cubic"}, "sampling"),
     ],

@@ -18,7 +18,9 @@ def test_equals_section_3_2_in_float64(name):
     np.testing.assert_allclose(np.median(abs(response - expected)), 0, atol=1e-4)
 
 
-@pytest.mark.parametrize("parameters", [{"iterations": 2}, {"iterations": 3, "pre_blur": 0.8, "color_weight": 0.5}])
+@pytest.mark.parametrize(
+    "parameters", [{"iterations": 2}, {"iterations": 3, "pre_blur": 0.8, "color_weight": 0.5, "color_sign": True}]
+)
 def test_soft_lines_from_colour(parameters):
     image, flow = cases()["photo"]
     lines, response = fdog_iterative(image, flow, **SOFT, **parameters)
