@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from flowabs_nodes.errors import FlowabsError
     from flowabs_nodes.image import Image
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _HOMES = {
     "FlowabsError": "errors",
