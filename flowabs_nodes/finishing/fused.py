@@ -19,7 +19,7 @@ from flowabs_nodes.finishing.operations import Operation, split
 from flowabs_nodes.simd.finite import refuse_non_finite
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.known_finite import mark_finite
-from flowabs_nodes.simd.lanes import absolute, maximum, select, splat_floats
+from flowabs_nodes.simd.lanes import absolute, maximum, minimum, select, splat_floats
 from flowabs_nodes.simd.matrix3 import Rows, mix_second_row
 from flowabs_nodes.simd.memory import load, load_triples, store_quads, store_triples
 from flowabs_nodes.simd.pixelwise import any_nan, as_picture, as_run, empty_run, first_pixel, over_pixels, zero_or_nan
@@ -149,6 +149,12 @@ def _quantize(first: int, last: int, pixels: Array, channels: int, to_xyz: Rows,
 
 @inlined
 def _gain(gy: Any, steps: Steps) -> Any:
-    """Return the gain Y(Q) / Y(max(L*, 1)) of sixteen pixels, where L* = 116 ``gy`` (color/lab.py)."""
+    """Return the gain on the RGB of sixteen pixels that takes L* = 116 ``gy`` (color/lab.py) to Q.
+
+    It is Y(Q) / Y(L*) from L* 8 up, and comes down to 1 at L* 1: Y(L*) is next to nothing there, and so is the pixel,
+    but for noise. At and below zero luminance a pixel stays what it is.
+    """
     lightness = 116.0 * gy
-    return lab.g_inverse(middle(lightness, steps) * (1 / 116)) / lab.g_inverse(maximum(lightness, 1.0) * (1 / 116))
+    gain = lab.g_inverse(middle(lightness, steps) * (1 / 116)) / lab.g_inverse(maximum(lightness, 1.0) * (1 / 116))
+    share = minimum(maximum(lightness - 1.0, 0.0) * (1 / 7), 1.0)
+    return gain * share + (1.0 - share)

@@ -72,7 +72,7 @@ def middle(lightness: Any, steps: Steps) -> Any:
         return (maximum(_ceil(level - 1e-3), 1.0) - 0.5) * (1 / per)
     edge = rint(from_doubles(level))
     t = minimum(maximum(from_doubles(level - to_doubles(edge)) * (1 / softness) + 0.5, 0.0), 1.0)
-    return (edge - 0.5 + t * t * (3.0 - 2.0 * t)) * (1 / per)
+    return maximum(edge - 0.5 + t * t * (3.0 - 2.0 * t), 0.0) * (1 / per)
 
 
 @inlined
