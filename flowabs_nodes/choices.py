@@ -11,19 +11,48 @@ from typing import Self
 
 
 class Choices(tuple[str, ...]):
-    """Holds the words of one list, in the order in which they are shown; ``meaning`` says in a line what each does."""
+    """Holds the words of one list, in the order in which they are shown.
+
+    ``meaning`` says in a line what each does, ``label`` is its name in menus.
+    """
 
     meaning: Mapping[str, str]
+    label: Mapping[str, str]
 
-    def __new__(cls, meaning: Mapping[str, str]) -> Self:
-        """Make the list from its words and their meanings."""
+    def __new__(cls, meaning: Mapping[str, str], label: Mapping[str, str] | None = None) -> Self:
+        """Make the list from its words and their meanings; a ``label`` that is left out is made of the word."""
         words = super().__new__(cls, meaning)
         words.meaning = meaning
+        words.label = {word: readable(word) for word in meaning} | dict(label or {})
         return words
 
-    def __getnewargs__(self) -> tuple[Mapping[str, str]]:
-        """Let copies and pickles keep the meanings."""
-        return (self.meaning,)
+    def __getnewargs__(self) -> tuple[Mapping[str, str], Mapping[str, str]]:
+        """Let copies and pickles keep meanings and labels."""
+        return self.meaning, self.label
+
+
+def readable(name: str) -> str:
+    """Return a name of code as people read it: "pre_blur" as "Pre blur"."""
+    words = name.replace("_", " ").strip()
+    return words[:1].upper() + words[1:]
+
+
+# ---------------------------------------------------------------------- nodes
+
+#: Where a menu lists a node. A node of another package may have a category of its own.
+CATEGORIES = Choices(
+    {
+        "io": "reads and writes files",
+        "flow": "makes a flow, shows it, or follows it",
+        "lines": "draws lines",
+        "regions": "flattens regions and cleans up their edges",
+        "tone": "changes light and dark",
+        "merge": "puts pictures together",
+        "compare": "is what the paper compares its own filters with",
+        "utility": "helps other nodes",
+    },
+    {"io": "Input and output", "compare": "To compare with"},
+)
 
 
 # ---------------------------------------------------------------------- filters
@@ -33,18 +62,22 @@ SPACES = Choices(
     {
         "lab": "CIE Lab, L* x 2.55: differences as the eye sees them",
         "acescct": "ACEScct, white at 255: every stop counts the same, for HDR",
-    }
+    },
+    {"lab": "CIE Lab", "acescct": "ACEScct"},
 )
 
 #: Where ``composite`` mixes ink and picture.
-MIXING_SPACES = Choices({"linear": "in scene-linear light", **SPACES.meaning})
+MIXING_SPACES = Choices(
+    {"linear": "in scene-linear light", **SPACES.meaning}, {"linear": "Linear light", **SPACES.label}
+)
 
 #: How a picture is read between its pixels, along the flow.
 SAMPLINGS = Choices(
     {
         "bilinear": "between the four pixels around a point: smoother",
         "nearest": "the nearest pixel: crisper and faster",
-    }
+    },
+    {"nearest": "Nearest pixel"},
 )
 
 #: The kernel of ``etf``.
@@ -52,7 +85,8 @@ ETF_KERNELS = Choices(
     {
         "full": "the disc of eq. 2",
         "separable": "a pass along x, then one along y, in each iteration (section 2.4)",
-    }
+    },
+    {"full": "Disc"},
 )
 
 #: The kernel of ``fdog`` and ``fdog_iterative``.
@@ -68,7 +102,8 @@ FORMS = Choices(
     {
         "paper": "the paper's, eqs. 8 and 9: by rho, tau, contrast and softness",
         "xdog": "XDoG's, which fade into tone: by p, epsilon and phi",
-    }
+    },
+    {"paper": "The paper's", "xdog": "XDoG"},
 )
 
 #: The neighbours that ``bilateral`` weighs.
@@ -76,7 +111,8 @@ BILATERAL_KERNELS = Choices(
     {
         "full": "all neighbours in a square",
         "xy": "those along x, then those along y: fast, axis-aligned",
-    }
+    },
+    {"full": "Square", "xy": "X, then Y"},
 )
 
 #: The curve that ``bilateral_oriented`` follows.
@@ -104,6 +140,16 @@ NONFINITE = Choices(
     {
         "repair": "they are replaced from their neighbours, and counted",
         "error": "the frame fails",
+    }
+)
+
+#: What the numbers of a motion pass say.
+MOTION_CONVENTIONS = Choices(
+    {
+        "auto": "by the layer's name and channels",
+        "blender": "four channels, y up: X, Y to the previous frame, -Z, -W to the next",
+        "forward": "the first two channels, y up, to the next frame",
+        "backward": "the first two channels, y up, to the previous frame",
     }
 )
 
@@ -135,7 +181,8 @@ DATA_TYPES = Choices(
         "float": "32 bit floating point, EXR and TIFF",
         "uint8": "8 bit, PNG and TIFF",
         "uint16": "16 bit, PNG and TIFF",
-    }
+    },
+    {"uint8": "8 bit", "uint16": "16 bit"},
 )
 
 #: The compression of an EXR.
@@ -152,5 +199,16 @@ COMPRESSIONS = Choices(
         "b44a": "4 x 4 blocks, flat ones smaller; lossy for half",
         "dwaa": "DCT of 32 rows, lossy",
         "dwab": "DCT of 256 rows, lossy",
-    }
+    },
+    {
+        "rle": "RLE",
+        "zips": "ZIPS",
+        "zip": "ZIP",
+        "piz": "PIZ",
+        "pxr24": "PXR24",
+        "b44": "B44",
+        "b44a": "B44A",
+        "dwaa": "DWAA",
+        "dwab": "DWAB",
+    },
 )

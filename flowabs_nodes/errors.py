@@ -106,6 +106,15 @@ class CommandError(FlowabsError):
     code = "bad-command"
 
 
+class InternalError(FlowabsError):
+    """An exception that nobody foresaw was raised: a fault of the node, of this package, or of the machine.
+
+    That exception is ``__cause__``. Codes: "internal", or "out-of-memory".
+    """
+
+    code = "internal"
+
+
 def nearest(name: object, known: Iterable[str]) -> str:
     """Return a hint for a name that is not known: the nearest right name, or all names where none is near."""
     names = sorted(set(known))

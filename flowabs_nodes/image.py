@@ -2,28 +2,33 @@
 
 from __future__ import annotations
 
-import copy
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio
 
-from flowabs_nodes import color, image_convert
+from flowabs_nodes import color, encodings, image_convert, image_state
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ArgumentError
-from flowabs_nodes.image_parts import Origin, PixelSource, Window, check_parts
-from flowabs_nodes.port_types import CHANNELS, PORT_TYPES, PortType, channel_names
+from flowabs_nodes.image_parts import Origin, PixelSource, Window, as_pixels, check_parts
+from flowabs_nodes.port_types import PORT_TYPES, PortType, pixel_type
+from flowabs_nodes.simd.read_only import read_only
 
-__all__ = ["CHANNELS", "PORT_TYPES", "Image", "Origin", "PixelSource", "PortType", "Window"]
+__all__ = ["PORT_TYPES", "Image", "Origin", "PixelSource", "PortType", "Window"]
 
 
 class Image:
-    """Pixels on a data window, with metadata; never changed once made.
+    """Pixels on a data window, with metadata: a value, which nothing changes.
+
+    Setting an attribute raises AttributeError, and every array that an image gives is read-only. An image can be
+    pickled and copied. ``pixels`` of the constructor are (H, W, C) float32, or a source to compute them from; they are
+    not copied, and must not be changed any more.
 
     Attributes
     ----------
     type
-        Port type: "color", "mono", "matte", "flow" or "data".
+        Port type, one of :data:`flowabs_nodes.port_types.TYPES`: "color", "mono", "depth" ...
     spec
         A copy of the OpenImageIO ImageSpec: channel names, data window, display window, metadata, and as ``format`` the
         data type of the file that the image came from.
@@ -32,21 +37,24 @@ class Image:
     origin
         The file that the plate came from, if it came from one.
     pixels
-        (H, W, C) float32: scene-linear premultiplied for color, unconverted for all other types.
-    expects
-        Encodings whose code values will be asked for after those of the lightness: both are then made together.
-    keeps_codes
-        False where code values will be asked for only once more: they are then not kept.
+        (H, W, C) float32, of ids uint32: scene-linear premultiplied for color, unconverted for all other types.
 
-    :meth:`encoded` returns code values, which are made once and shared by all callers.
+    Decoded ``pixels``, ``alpha`` and what :meth:`encoded` and :meth:`encoded_mono` return are computed once in an
+    evaluation of a graph, and each time that they are asked for outside of one
+    (:mod:`~flowabs_nodes.encodings`).
     """
 
-    expects: frozenset[str] = frozenset()
-    keeps_codes: bool = True
+    __slots__ = ("__weakref__", "_source", "_spec", "colorspace", "origin", "type")
+
+    type: PortType
+    colorspace: color.ColorSpace
+    origin: Origin | None
+    _source: Array | PixelSource
+    _spec: oiio.ImageSpec
 
     def __init__(
         self,
-        pixels: Array | None,
+        pixels: Array | PixelSource,
         spec: oiio.ImageSpec,
         type: PortType,
         *,
@@ -54,16 +62,34 @@ class Image:
         origin: Origin | None = None,
     ) -> None:
         check_parts(pixels, spec, type)
-        self.type: PortType = type
-        self.colorspace = color.space(colorspace)
-        self.origin = origin
-        self._spec = spec
-        self._pixels = None if pixels is None else np.ascontiguousarray(pixels, np.float32)
-        self._deferred: PixelSource | None = None
-        self._codes: dict[tuple[str, float | None], Array] = {}
-        self._monos: dict[tuple[str, float | None], Array] = {}
-        self._alpha: Array | None = None
-        self._alpha_known = False
+        plain = isinstance(pixels, np.ndarray)
+        values = {
+            "_source": read_only(as_pixels(pixels, type)) if plain else pixels,
+            "_spec": oiio.ImageSpec(spec),
+            "type": type,
+            "colorspace": color.space(colorspace),
+            "origin": origin,
+        }
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"an Image never changes: {name} cannot be set (with_pixels and others make a new one)")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"an Image never changes: {name} cannot be deleted")
+
+    def __copy__(self) -> Image:
+        """Return another image of the same pixels."""
+        return self._with_source(self._source)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return image_state.packed(self.pixels, self._spec, self.type, self.colorspace, self.origin)
+
+    def __setstate__(self, state: Any) -> None:
+        """Become the image that was pickled; FlowabsError for one of a version that is not known here."""
+        parts, colorspace, origin = image_state.unpacked(state)
+        Image.__init__(self, *parts, colorspace=colorspace, origin=origin)
 
     # ------------------------------------------------------------------ header
 
@@ -100,44 +126,28 @@ class Image:
 
     @property
     def pixels(self) -> Array:
-        """Return (H, W, C) float32, decoded on first use where a filter left code values."""
-        if self._pixels is None:
-            assert self._deferred is not None
-            self._pixels = self._deferred.decode(self.colorspace)
-        return self._pixels
+        """Return (H, W, C) in the type's dtype, read-only; decoded where a filter left code values."""
+        return self._source if isinstance(self._source, np.ndarray) else encodings.current().pixels(self)
 
     @property
     def deferred(self) -> PixelSource | None:
         """Return the source that pixels are computed from where a filter left code values, else None."""
-        return self._deferred
+        return None if isinstance(self._source, np.ndarray) else self._source
 
     @property
     def alpha(self) -> Array | None:
         """Return the coverage (H, W), or None where the image is opaque: no A, or A = 1 in every pixel."""
-        if not self._alpha_known:
-            if "A" in self.channels and self.type == "color":
-                pixels = self._deferred.codes.under if self._deferred else self._pixels
-                assert pixels is not None
-                alpha = np.ascontiguousarray(pixels[..., 3])
-                self._alpha = None if bool((alpha == 1).all()) else alpha
-            self._alpha_known = True
-        return self._alpha
+        return encodings.current().alpha(self)
 
     def encoded(self, space: str = "lab", *, ground: float | None = None) -> Array:
-        """Return the code values of a color image, (H, W, 3) float32.
+        """Return the code values of a color image, (H, W, 3) float32, read-only.
 
         Without ``ground`` they are those of rgb / A, which filtering nodes work on (of black where A = 0). With
         ``ground`` they are those of rgb + (1 - A) ground, which analysis nodes see. Of an opaque image both are the
-        same array.
+        same.
         """
         self._needs_color("encoded")
-        ground = None if self.alpha is None else ground
-        own = self._own_codes(space) if ground is None else None
-        if own is not None:
-            return own
-        if (space, ground) not in self._codes:
-            self._encode(space, ground, mono=False)
-        return self._forgotten_unless_kept(self._codes[space, ground])
+        return encodings.current().codes(self, space, ground)
 
     def encoded_mono(self, space: str = "lab", *, ground: float | None = None) -> Array:
         """Return the code values of the lightness, (H, W) float32: L* (lab), or ACEScct of the AP1 luminance (acescct).
@@ -145,39 +155,7 @@ class Image:
         ``ground`` is as in :meth:`encoded`.
         """
         self._needs_color("encoded_mono")
-        ground = None if self.alpha is None else ground
-        if (space, ground) not in self._monos:
-            own = self._own_codes(space) if ground is None and space == "lab" else None
-            if own is not None:
-                self._monos[space, ground] = np.ascontiguousarray(own[..., 0])
-            else:
-                self._encode(space, ground, codes=ground is None and space in self.expects)
-        return self._forgotten_unless_kept(self._monos[space, ground])
-
-    def _forgotten_unless_kept(self, codes: Array) -> Array:
-        """Return ``codes``; forget all code values unless the image keeps them."""
-        if not self.keeps_codes:
-            self._codes.clear()
-            self._monos.clear()
-        return codes
-
-    def _encode(self, space: str, ground: float | None, *, codes: bool = True, mono: bool = True) -> None:
-        """Make and keep the code values of all channels, of the lightness, or both in one pass."""
-        from flowabs_nodes.color.codes import BARE, encoded
-
-        codes = codes and (space, ground) not in self._codes
-        behind = BARE if ground is None else ground
-        colors, lightness = encoded(self.pixels, space, self.colorspace, ground=behind, codes=codes, mono=mono)
-        if codes:
-            self._codes[space, ground] = colors
-        if mono:
-            self._monos[space, ground] = lightness
-
-    def _own_codes(self, space: str) -> Array | None:
-        """Return the code values of ``space`` that pixels are to be decoded from, if no operation is deferred."""
-        deferred = self._deferred
-        plain = deferred is not None and deferred.codes is deferred
-        return deferred.codes.values if deferred is not None and plain and deferred.codes.space == space else None
+        return encodings.current().mono(self, space, ground)
 
     def _needs_color(self, what: str) -> None:
         """Raise ArgumentError if the image has no code values."""
@@ -195,14 +173,16 @@ class Image:
         keeps this image's names or takes ``channels``.
         """
         type = self.type if type is None else type
-        pixels = np.ascontiguousarray(pixels if pixels.ndim == 3 else pixels[..., None], np.float32)
+        declared = pixel_type(type)
+        pixels = as_pixels(pixels, type)
+        pixels = pixels if pixels.ndim == 3 else pixels[..., None]
         count = pixels.shape[2]
-        if channels is None and type in CHANNELS:
-            channels = channel_names(type, count)
+        if channels is None and declared.channels:
+            channels = declared.channel_names(count)
         elif channels is None and count == len(self.channels):
             channels = self.channels
         if channels is None:
-            raise ArgumentError(f"{count} channels do not make a {type} image", parameter="pixels")
+            raise ArgumentError(f"{count} channels do not make {declared.an_image}", parameter="pixels")
         spec = image_convert.with_channels(self._spec, channels)
         spec.height, spec.width = pixels.shape[:2]
         return Image(pixels, spec, type, colorspace=self.colorspace, origin=self.origin)
@@ -215,41 +195,41 @@ class Image:
         self._needs_color("with_codes")
         under = None
         if "A" in self.channels:
-            deferred = self._deferred
-            plain = deferred is not None and deferred.codes is deferred
-            under = deferred.codes.under if deferred is not None and plain else self.pixels
+            source = self.deferred
+            under = source.codes.under if source is not None and source.codes is source else self.pixels
         from flowabs_nodes.color.codes import Codes  # numba, which an image without code values does not need
 
-        return self.with_deferred(Codes(np.ascontiguousarray(codes, np.float32), space, under))
+        return self.with_deferred(Codes(read_only(as_pixels(codes, "color")), space, under))
 
     def with_deferred(self, deferred: PixelSource) -> Image:
         """Return an image whose pixels are computed by ``deferred``, which must have this image's alpha."""
-        image = Image(None, self._spec, "color", colorspace=self.colorspace, origin=self.origin)
-        image._deferred = deferred
-        image._alpha, image._alpha_known = self.alpha, True
+        self._needs_color("with_deferred")
+        image = self._with_source(deferred)
+        encodings.current().share_alpha(image, self)
         return image
 
-    def alone(self) -> Image:
-        """Return a copy that shares pixels; code values made for it from now on are its own, and are freed with it."""
-        image = copy.copy(self)
-        image._codes, image._monos = dict(self._codes), dict(self._monos)
-        return image
+    def decoded(self) -> Image:
+        """Return the image with its pixels computed, so that it holds no code values."""
+        return self if self.deferred is None else self._with_source(self.pixels)
+
+    def _with_source(self, source: Array | PixelSource) -> Image:
+        """Return an image like this one with other pixels of the same channels and windows."""
+        return Image(source, self._spec, self.type, colorspace=self.colorspace, origin=self.origin)
 
     def as_type(self, type: PortType) -> Image:
         """Return the image as a port's type: a matte as mono, unchanged; a matte or mono as color, R = G = B."""
         if type == self.type:
             return self
-        if self.type == "matte" and type == "mono":
-            return self.with_pixels(self.pixels, "mono")
-        if self.type in ("matte", "mono") and type == "color":
-            return self.with_pixels(np.repeat(self.pixels, 3, axis=2), "color")
-        raise ArgumentError(f"a {self.type} image cannot go where {type} is asked for")
+        if type in pixel_type(self.type).widens_to:
+            count = len(pixel_type(type).typical_channels)
+            return self.with_pixels(self.pixels if count == 1 else np.repeat(self.pixels, count, axis=2), type)
+        raise ArgumentError(f"{pixel_type(self.type).an_image} cannot go where {type} is asked for")
 
     def on_window(self, window: Window) -> Image:
-        """Return the image on another data window: cut, and 0 where it had no pixels."""
+        """Return the image on another data window: cut, and its type's value for outside where it had no pixels."""
         if window == self.data_window:
             return self
-        pixels = image_convert.on_window(self.pixels, self.data_window, window)
+        pixels = image_convert.on_window(self.pixels, self.data_window, window, pixel_type(self.type).outside)
         spec = self.spec
         spec.x, spec.y, spec.width, spec.height = window
         return Image(pixels, spec, self.type, colorspace=self.colorspace, origin=self.origin)
@@ -268,7 +248,7 @@ class Image:
         """Return an image of (H, W) or (H, W, C) numbers, which are copied.
 
         One channel is mono, two are flow, three or four color, unless ``type`` says else. Color is scene-linear RGB or
-        premultiplied RGBA in ``colorspace``. ``data`` takes any number of channels, with any names.
+        premultiplied RGBA in ``colorspace``. ``data`` takes any channels, with any names; ids are whole numbers.
         """
         return cls(*image_convert.parts_of_array(array, type, channels), colorspace=colorspace)
 
@@ -284,8 +264,8 @@ class Image:
         """Return an image of an OpenImageIO ImageBuf, with its windows and metadata; channels are found by name.
 
         With ``type`` None nothing is lost: exactly R, G, B[, A] make a color image, flow.x, flow.y a flow, Y a mono,
-        any others data with every channel. A ``type`` takes just its own channels of ``layer`` ("" = the plain
-        names). ``colorspace`` "auto" asks the metadata (:func:`flowabs_nodes.color.detect`).
+        Z a depth, and so on, any others data with every channel. A ``type`` takes just its own channels of ``layer``
+        ("" = the plain names). ``colorspace`` "auto" asks the metadata (:func:`flowabs_nodes.color.detect`).
         """
         parts = image_convert.parts_of_imagebuf(buf, type, layer)
         if str(colorspace) == "auto" or colorspace is None:
@@ -293,7 +273,7 @@ class Image:
         return cls(*parts, colorspace=colorspace)
 
     def to_imagebuf(self) -> oiio.ImageBuf:
-        """Return an ImageBuf of float pixels with this image's channel names, windows and metadata."""
+        """Return an ImageBuf of float pixels, uint32 of ids, with this image's channel names, windows and metadata."""
         spec = self.spec
         if self.type == "color":
             spec.attribute("oiio:ColorSpace", self.colorspace.name)

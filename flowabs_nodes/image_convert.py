@@ -5,8 +5,6 @@ The functions here know nothing of :class:`~flowabs_nodes.image.Image`, which ca
 
 from __future__ import annotations
 
-from typing import cast
-
 import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio
@@ -14,7 +12,10 @@ import OpenImageIO as oiio
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.image_parts import Parts, Window
-from flowabs_nodes.port_types import CHANNELS, PortType, channel_names, expected_channels
+from flowabs_nodes.port_types import TYPES, PortType, pixel_type
+
+#: OpenImageIO's data types of whole numbers.
+_WHOLE_NUMBERS = (oiio.UINT8, oiio.INT8, oiio.UINT16, oiio.INT16, oiio.UINT32, oiio.INT32)
 
 
 def parts_of_array(array: npt.ArrayLike, type: PortType | None, channels: tuple[str, ...] | None) -> Parts:
@@ -28,23 +29,28 @@ def parts_of_array(array: npt.ArrayLike, type: PortType | None, channels: tuple[
         raise ArgumentError(
             f"expected numbers of shape (H, W) or (H, W, C), found {pixels.dtype} {pixels.shape}", parameter="array"
         )
-    pixels = np.array(pixels if pixels.ndim == 3 else pixels[..., None], np.float32, order="C")
+    pixels = pixels if pixels.ndim == 3 else pixels[..., None]
     height, width, count = pixels.shape
     if type is None:
-        guess: PortType = {1: "mono", 2: "flow", 3: "color", 4: "color"}.get(count, "data")  # type: ignore[assignment]
-        type = "data" if channels is not None and channels not in CHANNELS.get(guess, ()) else guess
+        guess = {1: "mono", 2: "flow", 3: "color", 4: "color"}.get(count, "data")
+        type = "data" if channels is not None and channels not in TYPES[guess].channels else guess
+    declared = pixel_type(type)
+    given, pixels = pixels, declared.cast(pixels, whole_floats=True)
+    if np.may_share_memory(given, pixels):
+        pixels = pixels.copy()
     if channels is None:
-        channels = channel_names(type, count) or tuple(f"channel{i}" for i in range(count))
-    spec = oiio.ImageSpec(width, height, count, "float")
+        channels = declared.channel_names(count) or tuple(f"channel{i}" for i in range(count))
+    spec = oiio.ImageSpec(width, height, count, _oiio_type(pixels))
     return Parts(pixels, with_channels(spec, channels), type)
 
 
 def parts_of_imagebuf(buf: oiio.ImageBuf, type: PortType | None, layer: str) -> Parts:
     """Return the parts of an image of an ImageBuf's pixels; channels are found by name.
 
-    With ``type`` None all channels are kept: exactly R, G, B[, A] make color, flow.x, flow.y flow, Y mono, and any
-    others data. Otherwise only the channels of that type in ``layer`` are kept ("" = the plain names). ArgumentError
-    for a buffer without flat pixels, or without the channels of ``type``.
+    With ``type`` None all channels are kept: exactly those of a type make that type, the first that is declared with
+    them (a lone Y is mono), and any others data. Otherwise only the channels of that type in ``layer`` are kept ("" =
+    the plain names). Ids are whole numbers in the buffer. ArgumentError for a buffer without flat pixels, or without
+    the channels of ``type``.
     """
     spec = buf.spec()
     flat = spec.nchannels > 0 and not spec.deep  # OpenImageIO crashes when it is asked for other pixels
@@ -55,24 +61,33 @@ def parts_of_imagebuf(buf: oiio.ImageBuf, type: PortType | None, layer: str) -> 
     pixels = np.asarray(pixels, np.float32).reshape(spec.height, spec.width, spec.nchannels)
     names = tuple(spec.channelnames)
     prefix = f"{layer}." if layer else ""
-    # A lone Y is a mono, unless a matte is asked for.
-    kinds = [kind for kind in CHANNELS if type == kind or (type is None and kind != "matte")]
-    for kind in kinds:
-        for wanted in reversed(CHANNELS[kind]):
+    whole = spec.format.basetype in _WHOLE_NUMBERS
+    for declared in TYPES.values() if type is None else (pixel_type(type),):
+        exact = declared.dtype.kind == "u"
+        if type is None and exact and not whole:
+            continue
+        for wanted in reversed(declared.channels):
             picks = [prefix + name for name in wanted]
             if set(picks) == set(names) or (type is not None and set(picks) <= set(names)):
-                chosen = np.ascontiguousarray(pixels[..., [names.index(pick) for pick in picks]])
-                return Parts(chosen, with_channels(spec, wanted), cast(PortType, kind))
+                if exact and whole:  # as they are, not scaled to 0..1
+                    pixels = np.asarray(buf.get_pixels(spec.format)).reshape(pixels.shape)
+                chosen = declared.cast(pixels[..., [names.index(pick) for pick in picks]], whole_floats=True)
+                return Parts(chosen, with_channels(spec, wanted), declared.name)
     if type not in (None, "data"):
-        expected = expected_channels(cast(str, type), prefix)
+        expected = pixel_type(str(type)).expected_channels(prefix)
         raise ArgumentError(f"no channels {expected}; the buffer has {','.join(names)}", parameter="buf")
     return Parts(np.ascontiguousarray(pixels), with_channels(spec, names), "data")
 
 
+def _oiio_type(pixels: npt.NDArray[np.generic]) -> str:
+    """Return OpenImageIO's name of the data type of float32 or uint32 pixels."""
+    return "float" if pixels.dtype.kind == "f" else "uint"
+
+
 def imagebuf_of(pixels: Array, spec: oiio.ImageSpec) -> oiio.ImageBuf:
-    """Return an ImageBuf of float32 pixels (H, W, C) with the channel names, windows and metadata of ``spec``."""
+    """Return an ImageBuf of float32 or uint32 pixels (H, W, C) with the channels, windows and metadata of ``spec``."""
     spec = oiio.ImageSpec(spec)
-    spec.set_format(oiio.FLOAT)
+    spec.set_format(oiio.TypeDesc(_oiio_type(pixels)))
     buf = oiio.ImageBuf(spec)
     buf.set_pixels(buf.roi, pixels)
     return buf
@@ -89,9 +104,9 @@ def with_channels(spec: oiio.ImageSpec, names: tuple[str, ...]) -> oiio.ImageSpe
     return copy
 
 
-def on_window(pixels: Array, window: Window, wanted: Window) -> Array:
-    """Return pixels (H, W, C) of the data window ``window`` on another window: cut, and 0 where there were none."""
-    result = np.zeros((wanted.height, wanted.width, pixels.shape[2]), np.float32)
+def on_window(pixels: Array, window: Window, wanted: Window, outside: float = 0.0) -> Array:
+    """Return pixels (H, W, C) of the data window ``window`` on another: cut, and ``outside`` where there were none."""
+    result = np.full((wanted.height, wanted.width, pixels.shape[2]), outside, pixels.dtype)
     x0, x1 = max(window.x, wanted.x), min(window.x + window.width, wanted.x + wanted.width)
     y0, y1 = max(window.y, wanted.y), min(window.y + window.height, wanted.y + wanted.height)
     if x0 < x1 and y0 < y1:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
+import numpy as np
+import numpy.typing as npt
 import OpenImageIO as oiio
 
 from flowabs_nodes.array_types import Array
-from flowabs_nodes.errors import ArgumentError, nearest
-from flowabs_nodes.port_types import CHANNELS, PORT_TYPES, PortType, expected_channels
+from flowabs_nodes.errors import ArgumentError
+from flowabs_nodes.port_types import PortType, pixel_type
 
 if TYPE_CHECKING:
     from flowabs_nodes.color import ColorSpace
@@ -27,6 +29,10 @@ class Window(NamedTuple):
 
 class PixelSource(Protocol):
     """Pixels that are computed when they are asked for, from code values: ``Codes``, or finishing's ``Deferred``."""
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Return the shape of the pixels, (H, W, 3) or (H, W, 4)."""
 
     @property
     def codes(self) -> Codes:
@@ -50,22 +56,35 @@ class Origin:
 class Parts(NamedTuple):
     """What an image is made of, but for its colour space."""
 
-    pixels: Array  # (H, W, C) float32, C-contiguous
+    pixels: Array  # (H, W, C) in the type's dtype, C-contiguous
     spec: oiio.ImageSpec
     type: PortType
 
 
-def check_parts(pixels: Array | None, spec: oiio.ImageSpec, type: str) -> None:
-    """Raise ArgumentError unless an image of this type can have these channels, and these pixels if they are there."""
-    if type not in PORT_TYPES:
-        raise ArgumentError(f"{type!r} is not a port type", hint=nearest(type, PORT_TYPES), parameter="type")
+def as_pixels(array: Any, type: str) -> npt.NDArray[Any]:
+    """Return an array as C-contiguous pixels in the type's dtype, not copied if it is that already.
+
+    ArgumentError for anything but an array of real numbers, and for ids that were calculated with.
+    """
+    if not isinstance(array, np.ndarray) or array.dtype.kind not in "fiub":
+        found = f"dtype {array.dtype}" if isinstance(array, np.ndarray) else array.__class__.__name__
+        message = f"expected an array of real numbers, found {found}"
+        raise ArgumentError(message, code="wrong-type", parameter="pixels")
+    return pixel_type(type).cast(array)
+
+
+def check_parts(pixels: Array | PixelSource, spec: oiio.ImageSpec, type: str) -> None:
+    """Raise ArgumentError unless an image of this type can have these channels, and pixels of this shape."""
+    declared = pixel_type(type)
     names = tuple(spec.channelnames)
-    if type in CHANNELS and names not in CHANNELS[type]:
+    if declared.channels and names not in declared.channels:
         found = f"not {','.join(names)}"
-        raise ArgumentError(f"a {type} image has the channels {expected_channels(type)}, {found}", parameter="spec")
-    if pixels is not None and pixels.shape != (spec.height, spec.width, len(names)):
+        expected = declared.expected_channels()
+        raise ArgumentError(f"{declared.an_image} has the channels {expected}, {found}", parameter="spec")
+    shape = getattr(pixels, "shape", None)
+    if shape != (spec.height, spec.width, len(names)):
         raise ArgumentError(
-            f"pixels of shape {pixels.shape} do not fit a data window of {spec.width}x{spec.height} "
+            f"pixels of shape {shape} do not fit a data window of {spec.width}x{spec.height} "
             f"with {len(names)} channels",
             parameter="pixels",
         )

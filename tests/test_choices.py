@@ -26,6 +26,20 @@ def test_a_copy_keeps_the_meanings(copied):
     again = copied(choices.MISSING)
     assert again == choices.MISSING
     assert again.meaning == choices.MISSING.meaning
+    assert again.label == choices.MISSING.label
+
+
+@pytest.mark.parametrize("name", LISTS)
+def test_each_word_has_a_label_of_its_own(name):
+    words = LISTS[name]
+    assert tuple(words.label) == words
+    assert len(set(words.label.values())) == len(words)
+    assert all(label[0].isupper() or label[0].isdigit() for label in words.label.values())
+
+
+@pytest.mark.parametrize(("name", "label"), [("pre_blur", "Pre blur"), ("x", "X"), ("fdogIterative", "FdogIterative")])
+def test_a_name_of_code_is_made_readable(name, label):
+    assert choices.readable(name) == label
 
 
 def test_no_list_is_written_a_second_time():

@@ -1,4 +1,6 @@
-"""Pixels and code values of an image: made when asked for, once, and in one go where that is possible."""
+"""An image is a value; its pixels and code values, and what is done to them in one go."""
+
+import copy
 
 import numpy as np
 import pytest
@@ -127,39 +129,48 @@ def test_quantise_is_a_gain_on_light():
     np.testing.assert_allclose(node("quantize", image, levels=5).pixels, image.pixels * gain[..., None], rtol=1e-5)
 
 
-def test_code_values_are_made_once(conversions):
-    image = picture()
-    assert image.encoded("lab") is image.encoded("lab")
-    assert image.encoded_mono("lab") is image.encoded_mono("lab", ground=1.0)
-    assert image.with_codes(image.encoded("lab"), "lab").encoded("lab") is image.encoded("lab")
-    assert conversions == ["encoded", "encoded"]
+def test_nothing_writes_on_an_image():
+    mine = np.ones((2, 3, 4), np.float32)
+    mine[0] = 0.5
+    image = Image(mine, Image.from_array(mine).spec, "color")
+    for array in (image.pixels, image.alpha, image.encoded(), image.encoded_mono(), smoothed(image, "lab").pixels):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0, 0] = 7
+    assert mine.flags.writeable, "the caller's array stays what it is"
+    assert np.shares_memory(mine, image.pixels)
+    for name in ("type", "colorspace", "origin", "pixels", "spec", "anything"):
+        with pytest.raises(AttributeError):
+            setattr(image, name, None)
+    with pytest.raises(AttributeError):
+        del image.type
+    spec = image.spec
+    spec.x = 7
+    assert image.data_window.x == 0
 
 
-def test_lightness_and_colour_are_made_together_where_both_are_expected(conversions):
-    image, plain = picture(), picture()
-    image.expects = frozenset({"lab"})
-    np.testing.assert_array_equal(image.encoded_mono("lab"), plain.encoded_mono("lab"))
-    del conversions[:]
-    np.testing.assert_array_equal(image.encoded("lab"), plain.encoded("lab"))
-    assert conversions == ["encoded"], "that of the plain one"
+def test_the_header_that_an_image_is_made_of_may_change_afterwards():
+    spec = Image.from_array(np.ones((2, 3))).spec
+    image = Image(np.ones((2, 3, 1), np.float32), spec, "mono")
+    spec.x, spec.channelnames = 5, ("Z",)
+    assert (image.data_window.x, image.channels) == (0, ("Y",))
 
 
-def test_who_asks_last_gets_code_values_that_nobody_else_holds(conversions):
-    image = picture()
-    codes, mono = image.encoded("lab"), image.encoded_mono("lab")
-    image.keeps_codes = False
-    assert image.encoded("lab") is codes
-    image.keeps_codes = True
-    assert image.encoded_mono("lab") is not mono
-    assert conversions == ["encoded"] * 3
+def test_a_copy_is_another_image_of_the_same_pixels():
+    image = with_holes()
+    for original in (image, smoothed(image, "lab")):
+        copied = copy.copy(original)
+        assert copied is not original
+        assert copied.deferred is original.deferred
+        assert np.shares_memory(copied.pixels, original.pixels) is (original is image)
+        np.testing.assert_array_equal(copied.pixels, original.pixels)
 
 
-def test_alone_shares_pixels_and_keeps_its_code_values_to_itself(conversions):
-    image = picture()
-    alone = image.alone()
-    assert alone.pixels is image.pixels
-    assert alone.encoded("lab") is not image.encoded("lab")
-    assert image.alone().encoded("lab") is image.encoded("lab")
+def test_decoded_holds_pixels_alone():
+    image = smoothed(picture(), "lab")
+    plain = image.decoded()
+    assert plain.deferred is None
+    np.testing.assert_array_equal(plain.pixels, image.pixels)
+    assert plain.decoded() is plain
 
 
 def test_a_picture_that_is_not_finite_is_refused_when_it_is_looked_at():

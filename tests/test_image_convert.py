@@ -10,6 +10,8 @@ import pytest
 
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.image import Image, Window
+from flowabs_nodes.port_types import TYPES
+from flowabs_nodes.testing.pictures import make_input
 
 RANDOM = np.random.default_rng(3)
 
@@ -133,3 +135,25 @@ def test_an_image_refuses_parts_that_do_not_fit() -> None:
     with pytest.raises(ArgumentError, match="'colour' is not a port type") as error:
         Image.from_array(np.zeros((2, 3, 3)), type="colour")  # type: ignore[arg-type]
     assert "color" in str(error.value.hint)
+
+
+@pytest.mark.parametrize("kind", [name for name, declared in TYPES.items() if declared.channels and name != "matte"])
+def test_the_channels_of_a_buffer_tell_its_type(kind: str) -> None:
+    image = make_input(kind, "noise", 6, 8)
+    again = Image.from_imagebuf(image.to_imagebuf())
+    assert (again.type, again.channels) == (kind, image.channels)
+    np.testing.assert_array_equal(again.pixels, image.pixels)
+
+
+def test_a_channel_of_fractions_that_is_called_id_is_data() -> None:
+    assert Image.from_imagebuf(buffer(("id",))).type == "data"
+    with pytest.raises(ArgumentError, match="whole numbers"):
+        Image.from_imagebuf(buffer(("id",)), type="id")
+
+
+def test_whole_numbers_of_8_bits_are_ids_as_they_are() -> None:
+    spec = oiio.ImageSpec(2, 1, 1, oiio.UINT8)
+    spec.channelnames = ("id",)
+    buf = oiio.ImageBuf(spec)
+    buf.set_pixels(buf.roi, np.array([[[3], [255]]], np.uint8))
+    np.testing.assert_array_equal(Image.from_imagebuf(buf).pixels.ravel(), [3, 255])

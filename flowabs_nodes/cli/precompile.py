@@ -16,7 +16,7 @@ import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 from flowabs_nodes.simd import bands, compile_hooks
 
@@ -112,7 +112,7 @@ def run_small(
             continue
         seen.add(node.type)
         given = {}
-        for each in step.inputs.values():
+        for each in step.needs:
             port = loaded.nodes[each.node].declaration.all_outputs[each.output]
             given[f"{each.node}.{each.output}"] = _picture("color" if port.same_as else port.types.split("|")[0])
         outputs = [f"{step.unit.node}.{name}" for name in step.wanted]
@@ -125,11 +125,13 @@ def _picture(kind: str) -> Any:
     """Return noise of a port type, cut out of a picture of full size: lengths in pixels stay what they are."""
     import numpy as np
 
-    from flowabs_nodes.image import Image, PortType
+    from flowabs_nodes.image import Image
+    from flowabs_nodes.port_types import pixel_type
 
-    channels = {"color": 3, "flow": 2, "data": 2}.get(kind, 1)
-    noise = np.random.default_rng(1).random((HEIGHT, WIDTH, channels), np.float32)
-    image = Image.from_array(noise, type=cast(PortType, kind))
+    declared = pixel_type(kind)
+    shape = (HEIGHT, WIDTH, len(declared.typical_channels))
+    noise = np.random.default_rng(1).random(shape, np.float32).astype(declared.dtype)
+    image = Image.from_array(noise, type=kind)
     spec = image.spec
     spec.full_width, spec.full_height = 1920, 1080
     return Image(image.pixels, spec, image.type, colorspace=image.colorspace)

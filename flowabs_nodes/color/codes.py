@@ -137,6 +137,12 @@ class Codes:
     under: Array | None = None
 
     @property
+    def shape(self) -> tuple[int, int, int]:
+        """Return the shape of the picture, (H, W, 3), or (H, W, 4) where it has alpha."""
+        height, width, _ = self.values.shape
+        return height, width, 3 if self.under is None else 4
+
+    @property
     def codes(self) -> Codes:
         """Return this object itself, as a ``PixelSource`` (image.py) that only has to be decoded."""
         return self
@@ -146,8 +152,7 @@ class Codes:
 
         Where alpha is 0, the pixels of ``under`` stay. ArgumentError for code values that are not finite.
         """
-        height, width, _ = self.values.shape
-        channels = 3 if self.under is None else 4
+        height, width, channels = self.shape
         run, below = as_run(self.values, 3), NOTHING if self.under is None else as_run(self.under, 4)
         count = run.size // 3
         pixels = empty_run(count, channels)

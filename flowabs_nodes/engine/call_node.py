@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import copy
 from dataclasses import replace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
 from flowabs_nodes.engine.error_boundary import error_boundary
+from flowabs_nodes.engine.window_inputs import NodeInputs, join_windows
 from flowabs_nodes.errors import ArgumentError, FlowabsError, nearest
-from flowabs_nodes.image import Image, PortType, Window
+from flowabs_nodes.image import Image, Window
 from flowabs_nodes.nodes.declare import MASK, MIX, Context, Node
+from flowabs_nodes.port_types import pixel_type
 
 
-def call_node(
-    declaration: Node, context: Context, inputs: Mapping[str, Image], params: Mapping[str, Any]
-) -> dict[str, Image]:
+def call_node(declaration: Node, context: Context, inputs: NodeInputs, params: Mapping[str, Any]) -> dict[str, Image]:
     """Compute the outputs of one node that ``context.wanted`` names; all, where it names none.
 
     Inputs are widened to what their port asks for and brought to the data window of the first image input: a mask and
-    ``write``'s layers are cut, and 0 where they have no pixels; any other input must be on that window already.
+    ``write``'s layers are cut, and 0 where they have no pixels; any other input must be on that window already. So are
+    the other frames of an input that the node reads on several, which is given as a dict from frame offset to Image.
     Parameters that are not given take their default; all are checked. The result goes over the input by mask x mix.
 
     Returns
@@ -32,11 +34,12 @@ def call_node(
     ------
     FlowabsError
         With node and frame. Codes of its own: missing-input, unknown-input, wrong-type, window-mismatch, missing-param,
-        unknown-param, wrong-output; whatever else the node raises is "internal", with its cause.
+        unknown-param, wrong-output, wrong-frames; whatever else the node raises is "internal", with its cause.
     """
     wanted = context.wanted or frozenset(declaration.all_outputs)
     context = replace(context, node=context.node or declaration.type, wanted=wanted)
     with error_boundary(context.node, context.frame):
+        declaration, inputs = join_windows(declaration, inputs, params)
         images = fit_inputs(declaration, inputs)
         values = check_params(declaration, params)
         if not declaration.mixes:
@@ -44,17 +47,18 @@ def call_node(
         mask, mix = images.pop(MASK.name, None), values.pop(MIX.name)
         first = declaration.outputs[0].name
         if mix == 0 and wanted == {first}:
-            return {first: images["image"]}
+            return {first: copy(images["image"])}
         return _mix_over(images["image"], _call(declaration, context, images, values), first, mask, mix)
 
 
-def call_sink(declaration: Node, context: Context, inputs: Mapping[str, Image], params: Mapping[str, Any]) -> Any:
+def call_sink(declaration: Node, context: Context, inputs: NodeInputs, params: Mapping[str, Any]) -> Any:
     """Call a node without outputs, such as ``write``, and return what its function returns.
 
     Inputs and parameters are treated, and errors raised, as by :func:`call_node`.
     """
     context = replace(context, node=context.node or declaration.type)
     with error_boundary(context.node, context.frame):
+        declaration, inputs = join_windows(declaration, inputs, params)
         images = fit_inputs(declaration, inputs)
         return declaration.run(context, **images, **check_params(declaration, params))
 
@@ -108,7 +112,7 @@ def _widen(declaration: Node, name: str, image: Image) -> Image:
     if kind is None:
         accepted = port.types.replace("|", " or ")
         raise FlowabsError(f"input {name!r} takes {accepted}, not {image.type}", code="wrong-type")
-    return image.as_type(cast(PortType, kind))
+    return image.as_type(kind)
 
 
 def check_params(declaration: Node, params: Mapping[str, Any]) -> dict[str, Any]:
@@ -152,12 +156,19 @@ def _call(
             continue
         image = found.get(name)
         if not isinstance(image, Image):
-            raise _wrong_output(declaration, name, f"an Image, the node returned {type(image).__name__}")
+            raise _wrong_output(declaration, name, f"an Image, the node returned {_kind(image)}")
         kinds = (images[port.same_as].type,) if port.same_as else port.accepts
         if image.type not in kinds:
             raise _wrong_output(declaration, name, f"{' or '.join(kinds)}, the node returned {image.type}")
         outputs[name] = _restore_metadata(images, image, declaration, name)
     return outputs
+
+
+def _kind(value: object) -> str:
+    """Return in words what a node returned in place of an image."""
+    if isinstance(value, np.ndarray):
+        return f"an array of {value.dtype} {value.shape}: image.with_pixels(array) makes an Image"
+    return type(value).__name__
 
 
 def _restore_metadata(images: Mapping[str, Image], image: Image, declaration: Node, name: str) -> Image:
@@ -186,7 +197,8 @@ def _restore_metadata(images: Mapping[str, Image], image: Image, declaration: No
         return image
     for attribute in lost:
         spec.attribute(attribute.name, attribute.type, attribute.value)
-    return Image(image.pixels, spec, image.type, colorspace=image.colorspace, origin=source.origin)
+    pixels = image.deferred or image.pixels
+    return Image(pixels, spec, image.type, colorspace=image.colorspace, origin=source.origin)
 
 
 def _wrong_output(declaration: Node, name: str, what: str) -> FlowabsError:
@@ -198,7 +210,7 @@ def _wrong_output(declaration: Node, name: str, what: str) -> FlowabsError:
 
 
 def _mix_over(image: Image, outputs: dict[str, Image], first: str, mask: Image | None, mix: float) -> dict[str, Image]:
-    """Lay each result over the input by k = mask x mix, alpha too.
+    """Lay each result over the input by k = mask x mix, alpha too; an id is the result's where k is at least 1/2.
 
     A color output beside the first, such as an ink alone, is multiplied by k.
     """
@@ -210,13 +222,15 @@ def _mix_over(image: Image, outputs: dict[str, Image], first: str, mask: Image |
         if name != first:
             mixed[name] = result.with_pixels(result.pixels * k) if result.type == "color" else result
         elif mix == 0:
-            mixed[name] = image
+            mixed[name] = copy(image)
         elif result.channels != image.channels:
             raise FlowabsError(
                 f"output {name!r} must have the channels of the input to be mixed with it, {','.join(image.channels)}, "
                 f"the node returned {','.join(result.channels)}",
                 code="wrong-output",
             )
+        elif not pixel_type(result.type).blends:
+            mixed[name] = result.with_pixels(np.where(k >= 0.5, result.pixels, image.pixels))
         else:
             # The weights' sum is exactly 1 at both ends, so that k = 0 and k = 1 change no bit.
             pixels = result.pixels * k

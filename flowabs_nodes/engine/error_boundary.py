@@ -5,17 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from flowabs_nodes.errors import FlowabsError
+from flowabs_nodes.errors import FlowabsError, InternalError
 from flowabs_nodes.simd.compatible import misfit
 
-
-class InternalError(FlowabsError):
-    """An exception that nobody foresaw was raised: a fault of the node, of this package, or of the machine.
-
-    That exception is ``__cause__``. Codes: "internal", or "out-of-memory".
-    """
-
-    code = "internal"
+__all__ = ["InternalError", "error_boundary"]
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""Computes one frame: the steps of a plan in order, each result held until its last use."""
+"""Computes the steps of a plan in order, each result held until its last use."""
 
 from __future__ import annotations
 
@@ -11,14 +11,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flowabs_nodes.encodings import remember_encodings
 from flowabs_nodes.engine.call_node import call_node, call_sink
 from flowabs_nodes.engine.error_boundary import error_boundary
 from flowabs_nodes.engine.lengths import length_factor, scale_lengths
-from flowabs_nodes.engine.plan import Result, Step, Unit
+from flowabs_nodes.engine.plan import Result, Step, Unit, results_in
 from flowabs_nodes.engine.report import Note
 from flowabs_nodes.engine.resize import scale_image
+from flowabs_nodes.engine.unit_params import Params
+from flowabs_nodes.engine.window_inputs import NodeInputs, own_frame
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node
+from flowabs_nodes.port_types import pixel_type
 from flowabs_nodes.simd.known_finite import remember_finite
 
 if TYPE_CHECKING:
@@ -28,13 +32,12 @@ if TYPE_CHECKING:
     from flowabs_nodes.graph.model import Graph
     from flowabs_nodes.io.sequences import Source
 
-#: A node's parameters by name.
-Params = Mapping[str, Any]
-
 
 @dataclass
 class Evaluation:
-    """The computation of one frame. ``notes`` and ``timings`` (seconds by node) fill up, also when a node fails.
+    """The computation of one frame, for which nodes may run on other frames too.
+
+    ``notes`` and ``timings`` (seconds by node) fill up, also when a node fails.
 
     Attributes
     ----------
@@ -47,6 +50,8 @@ class Evaluation:
     on_sink
         Called with the name of a node without outputs (``write``) and what its function returned, as soon as it has
         run.
+    on_result
+        Called with each result and its image as soon as it is computed.
     """
 
     graph: Graph
@@ -54,6 +59,7 @@ class Evaluation:
     sources: Mapping[Unit, Source]
     options: RunOptions
     on_sink: Callable[[str, Any], None] = lambda node, what: None
+    on_result: Callable[[Result, Image], None] = lambda result, image: None
     notes: list[Note] = field(default_factory=list)
     timings: dict[str, float] = field(default_factory=dict)
 
@@ -67,31 +73,42 @@ class Evaluation:
         given
             Images that stand in for results that no step computes.
         keep
-            The results to return; all others are let go.
+            The results to return, decoded; all others are let go.
 
         Raises
         ------
         FlowabsError
             Whatever went wrong, with node and frame.
         """
-        held = {result: image.alone() for result, image in given.items()}
-        expected = self._expected(steps)
-        for result, image in held.items():
-            image.expects = expected.get(result, frozenset())
-        with remember_finite():
+        held, expected = dict(given), self._expected(steps)
+        with remember_finite(), remember_encodings() as encodings:
+            for result, image in held.items():
+                encodings.expect(image, expected.get(result, frozenset()))
             for step in steps:
-                images = {name: held[result] for name, result in step.inputs.items()}
-                for name, result in step.inputs.items():
-                    images[name].keeps_codes = result not in step.drops
+                images: NodeInputs = {
+                    name: held[needed]
+                    if isinstance(needed, Result)
+                    else {offset: held[result] for offset, result in needed.items()}
+                    for name, needed in step.inputs.items()
+                }
+                for result in step.needs:
+                    encodings.keep(held[result], result not in step.drops)
                 with self.timed(step.unit.node):
                     outputs = self._run_step(step, images)
                 for output, image in outputs.items():
                     result = Result(step.unit.node, output, step.unit.frame)
-                    held[result], image.expects, image.keeps_codes = image, expected.get(result, frozenset()), True
+                    held[result] = image
+                    encodings.expect(image, expected.get(result, frozenset()))
+                    self.on_result(result, image)
                 for result in step.drops:
                     held.pop(result, None)
                 del images, outputs
-        return {result: given.get(result) or held[result] for result in keep}
+            return {result: self._decoded(result, given.get(result) or held[result]) for result in keep}
+
+    def _decoded(self, result: Result, image: Image) -> Image:
+        """Return a result as it leaves the engine, with pixels in place of code values."""
+        with self.timed(result.node), error_boundary(result.node, result.frame):
+            return image.decoded()
 
     def _expected(self, steps: Collection[Step]) -> dict[Result, frozenset[str]]:
         """Return, for each picture, the spaces in which later steps smooth it."""
@@ -99,10 +116,11 @@ class Evaluation:
         for step in steps:
             space = self.params[step.unit].get("space")
             if space is not None and "image" in step.inputs and self.graph.nodes[step.unit.node].declaration.mixes:
-                spaces.setdefault(step.inputs["image"], set()).add(space)
+                for result in results_in({"image": step.inputs["image"]}):
+                    spaces.setdefault(result, set()).add(space)
         return {result: frozenset(each) for result, each in spaces.items()}
 
-    def _run_step(self, step: Step, images: Mapping[str, Image]) -> dict[str, Image]:
+    def _run_step(self, step: Step, images: NodeInputs) -> dict[str, Image]:
         """Run one step on its inputs and return its outputs by name; what a read node returns is scaled."""
         node, frame = step.unit
         declaration = self.graph.nodes[node].declaration
@@ -110,8 +128,8 @@ class Evaluation:
             frame=frame,
             node=node,
             wanted=step.wanted,
-            note=partial(self._note, node, False),
-            warn=partial(self._note, node, True),
+            note=partial(self._note, step.unit, False),
+            warn=partial(self._note, step.unit, True),
             services=self.options.settings,
         )
         with error_boundary(node, frame):
@@ -128,20 +146,20 @@ class Evaluation:
                 for name, image in outputs.items()
             }
 
-    def _params(self, step: Step, declaration: Node, images: Mapping[str, Image]) -> dict[str, Any]:
+    def _params(self, step: Step, declaration: Node, images: NodeInputs) -> dict[str, Any]:
         """Return the step's parameters with lengths scaled to the picture it looks at, and the file of this frame."""
         params = dict(self.params[step.unit])
         if step.unit in self.sources and declaration.file_param:
             params[declaration.file_param.name] = str(self.sources[step.unit].path)
-        looks_at = next((images[name] for name in declaration.all_inputs if name in images), None)
+        looks_at = next((own_frame(images[name]) for name in declaration.all_inputs if name in images), None)
         factor = length_factor(self.graph.reference_height, self.options.scale, looks_at)
         params, warnings = scale_lengths(declaration, params, factor)
-        self.notes.extend(replace(warning, node=step.unit.node) for warning in warnings)
+        self.notes.extend(replace(warning, node=step.unit.node, frame=step.unit.frame) for warning in warnings)
         return params
 
-    def _note(self, node: str, warning: bool, text: str) -> None:
-        """Add what a node has to say to the notes of this frame."""
-        self.notes.append(Note(text, node, warning))
+    def _note(self, unit: Unit, warning: bool, text: str) -> None:
+        """Add what a node has to say about its frame to the notes."""
+        self.notes.append(Note(text, unit.node, warning, frame=unit.frame))
 
     @contextmanager
     def timed(self, name: str) -> Iterator[None]:
@@ -154,8 +172,10 @@ class Evaluation:
 
 
 def _black(image: Image) -> Image:
-    """Return a black frame with the windows and metadata of ``image``.
+    """Return a frame of nothing (black, no id, depth far away) with the windows and metadata of ``image``.
 
     It has no origin, so that ``write`` keeps no layer of the frame that it was made from.
     """
-    return Image(np.zeros_like(image.pixels), image.spec, image.type, colorspace=image.colorspace)
+    return Image(
+        np.full_like(image.pixels, pixel_type(image.type).outside), image.spec, image.type, colorspace=image.colorspace
+    )

@@ -1,7 +1,8 @@
 """Names results by keys: the same key means the same picture, on any machine, on any day.
 
-A node's key is a hash of its type and version, the version of the package it comes from, its parameters, and the keys
-of its inputs; where it reads a file, of the file's content instead of its name. No filter has to run to know it.
+A node's key is a hash of its type and version, the version of the package it comes from, the parameters that do
+something beside each other, and the keys of its inputs, on all frames that it reads; where it reads a file, of the
+file's content instead of its name. No filter has to run to know it.
 """
 
 from __future__ import annotations
@@ -50,12 +51,21 @@ def unit_keys(
         What the OpenColorIO config in use is called or contains; "" for the one that is built in.
     """
     keys: dict[Unit, str] = {}
+
+    def key_of(result: Result) -> Any:
+        return given.get(result) or [keys[result.unit], result.output]
+
     for step in steps:
         declaration = graph.nodes[step.unit.node].declaration
         keys[step.unit] = node_key(
             declaration,
             params[step.unit],
-            {name: given.get(each) or [keys[each.unit], each.output] for name, each in step.inputs.items()},
+            {
+                name: key_of(needed)
+                if isinstance(needed, Result)
+                else [[offset, key_of(each)] for offset, each in needed.items()]
+                for name, needed in step.inputs.items()
+            },
             content=contents.get(step.unit, ""),
             reference_height=graph.reference_height,
             scale=scale,
@@ -76,8 +86,8 @@ def node_key(
 ) -> str:
     """Compute the key of one node, in hexadecimal; the order of its parameters and inputs does not matter.
 
-    ``params`` are checked, lengths not scaled; ``inputs`` are plain data that name each input's key and output; the
-    others are as for :func:`unit_keys`.
+    ``params`` are checked, lengths not scaled; one that the others disable counts as its default. ``inputs`` are plain
+    data that name each input's key and output; the others are as for :func:`unit_keys`.
     """
     touches_files = declaration.file_param is not None
     return _digest(
@@ -85,7 +95,7 @@ def node_key(
             "type": declaration.name,
             "package": package_version(str(declaration.run.__module__).partition(".")[0]),
             "params": {
-                param.name: _exact(params[param.name])
+                param.name: _exact(params[param.name] if declaration.is_enabled(param.name, params) else param.default)
                 for param in declaration.all_params.values()
                 if param.in_key and param.kind != "file" and param.name in params
             },

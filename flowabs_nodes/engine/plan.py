@@ -1,20 +1,24 @@
 """Plans what to compute for some outputs, in which order, and when each result is no longer needed.
 
-The unit of work is a node on a frame. Today a node looks at its own frame alone: :func:`inputs_of` says so here. A node
-that looks at its input on other frames as well also needs parameters and sources of those frames, which
-:mod:`~flowabs_nodes.engine.render_frame` makes for one frame.
+The unit of work is a node on a frame. Most nodes read their inputs on their own frame alone. A node whose declaration
+has ``frames`` reads them on other frames too, and these may be results of such nodes again: offsets add up.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from functools import partial
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from flowabs_nodes.errors import CommandError, nearest
+from flowabs_nodes.port_types import TYPES
 
 if TYPE_CHECKING:
     from flowabs_nodes.graph.model import Graph
+
+_NO_OFFSETS: Mapping[str, Iterable[int]] = MappingProxyType({})
 
 
 class Unit(NamedTuple):
@@ -37,14 +41,28 @@ class Result(NamedTuple):
         return Unit(self.node, self.frame)
 
 
+#: What a unit reads, by the name of its input: a result, or a dict from frame offset to result, in order of offsets.
+Inputs = Mapping[str, Result | Mapping[int, Result]]
+
+
 @dataclass(frozen=True)
 class Step:
     """One unit's turn: its inputs, the outputs that are asked for, and the results that no later step needs."""
 
     unit: Unit
-    inputs: Mapping[str, Result]
+    inputs: Inputs
     wanted: frozenset[str]
     drops: frozenset[Result]
+
+    @property
+    def needs(self) -> tuple[Result, ...]:
+        """Every result that the unit reads, of all inputs and frames."""
+        return tuple(results_in(self.inputs))
+
+    @property
+    def makes(self) -> tuple[Result, ...]:
+        """Every result that the step computes."""
+        return tuple(Result(self.unit.node, output, self.unit.frame) for output in self.wanted)
 
 
 def make_plan(
@@ -54,24 +72,30 @@ def make_plan(
     results: Iterable[Result] = (),
     sinks: Iterable[str] = (),
     given: Collection[Result] = (),
+    inputs_of: Callable[[Unit], Inputs] | None = None,
 ) -> tuple[Step, ...]:
     """Order the steps that compute ``results`` and run the nodes ``sinks``, on one frame.
 
     A ``given`` result is not computed, nor anything that only it would need. Each branch is finished before the next
     one begins, and the branch with the smallest result comes first, so that little is held at a time.
+
+    ``inputs_of`` says what a unit reads (:meth:`flowabs_nodes.engine.frame_windows.FrameWindows.inputs_of`); without it
+    every node reads its own frame alone.
     """
     results = tuple(results)
-    needs: dict[Unit, dict[str, Result]] = {}  # in the order of work
+    if inputs_of is None:
+        inputs_of = partial(unit_inputs, graph)
+    needs: dict[Unit, Inputs] = {}  # in the order of work
     for sink in sinks:
-        _add_upstream_first(graph, Unit(sink, frame), given, needs)
+        _add_upstream_first(graph, inputs_of, Unit(sink, frame), given, needs)
     for result in results:
         if result not in given:
-            _add_upstream_first(graph, result.unit, given, needs)
+            _add_upstream_first(graph, inputs_of, result.unit, given, needs)
 
     wanted: dict[Unit, set[str]] = {}
     last_use: dict[Result, Unit] = {}
     for unit, inputs in needs.items():
-        for needed in inputs.values():
+        for needed in results_in(inputs):
             wanted.setdefault(needed.unit, set()).add(needed.output)
             last_use[needed] = unit
     for result in results:
@@ -94,34 +118,53 @@ def make_plan(
     )
 
 
-def inputs_of(graph: Graph, unit: Unit) -> dict[str, Result]:
-    """Return the results that a unit needs, by the name of its input."""
-    links = graph.nodes[unit.node].inputs
-    return {name: Result(link.node, link.output, unit.frame) for name, link in links.items()}
+def unit_inputs(graph: Graph, unit: Unit, offsets: Mapping[str, Iterable[int]] = _NO_OFFSETS) -> dict[str, Any]:
+    """Return what a unit reads (:data:`Inputs`), if the inputs in ``offsets`` are read on these frames."""
+    found: dict[str, Any] = {}
+    for name, link in graph.nodes[unit.node].inputs.items():
+        if name in offsets:
+            found[name] = {each: Result(link.node, link.output, unit.frame + each) for each in offsets[name]}
+        else:
+            found[name] = Result(link.node, link.output, unit.frame)
+    return found
+
+
+def results_in(inputs: Inputs) -> Iterator[Result]:
+    """Yield every result that a unit reads, of all inputs and frames."""
+    for needed in inputs.values():
+        if isinstance(needed, Result):
+            yield needed
+        else:
+            yield from needed.values()
 
 
 def _add_upstream_first(
-    graph: Graph, target: Unit, given: Collection[Result], needs: dict[Unit, dict[str, Result]]
+    graph: Graph,
+    inputs_of: Callable[[Unit], Inputs],
+    target: Unit,
+    given: Collection[Result],
+    needs: dict[Unit, Inputs],
 ) -> None:
     """Add ``target`` and every unit that it depends on to ``needs``, each after all units that it depends on itself."""
-    stack = [(target, False)]  # not by recursion: a chain may be thousands of nodes long
+    # Not by recursion: a chain may be thousands of nodes long.
+    stack: list[tuple[Unit, Inputs | None]] = [(target, None)]
     while stack:
-        unit, ready = stack.pop()
+        unit, inputs = stack.pop()
         if unit in needs:
             continue
-        inputs = inputs_of(graph, unit)
-        if ready:
+        if inputs is not None:  # everything upstream of the unit has been added
             needs[unit] = inputs
             continue
-        stack.append((unit, True))
-        small_first = sorted(inputs.values(), key=lambda each: _floats_per_pixel(graph, each))
-        stack.extend((each.unit, False) for each in reversed(small_first) if each not in given)
+        inputs = inputs_of(unit)
+        stack.append((unit, inputs))
+        small_first = sorted(results_in(inputs), key=lambda each: _bytes_per_pixel(graph, each))
+        stack.extend((each.unit, None) for each in reversed(small_first) if each not in given)
 
 
-def _floats_per_pixel(graph: Graph, result: Result) -> int:
-    """Return about how many floats a pixel of a result takes in memory."""
+def _bytes_per_pixel(graph: Graph, result: Result) -> int:
+    """Return about how many bytes a pixel of a result takes in memory; of a type that is an input's, as a color."""
     port = graph.nodes[result.node].declaration.all_outputs[result.output]
-    return {"mono": 1, "matte": 1, "flow": 2}.get(port.types, 4)
+    return TYPES[port.types if port.same_as is None else "color"].bytes_per_pixel
 
 
 # ---------------------------------------------------------------------- names that a caller writes

@@ -9,13 +9,17 @@ import traceback
 from contextlib import ExitStack
 from typing import Any
 
+from flowabs_nodes.engine.carry_over import CarryOver
 from flowabs_nodes.engine.error_boundary import error_boundary
 from flowabs_nodes.engine.evaluate import Evaluation
+from flowabs_nodes.engine.frame_windows import FrameWindows
 from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.keys import unit_keys
 from flowabs_nodes.engine.plan import Unit, make_plan
 from flowabs_nodes.engine.report import FrameReport, Note, Status
-from flowabs_nodes.engine.sources import find_sources, source_contents
+from flowabs_nodes.engine.result_store import ResultStore
+from flowabs_nodes.engine.sources import Sources, source_contents
+from flowabs_nodes.engine.unit_params import UnitParams
 from flowabs_nodes.errors import FlowabsError, WriteError
 from flowabs_nodes.io.frame_lock import Claim, claim
 from flowabs_nodes.io.hashing import content_hash
@@ -24,9 +28,16 @@ from flowabs_nodes.io.settings import checked
 from flowabs_nodes.io.write import is_whole, save, stored_key
 
 
-def render_frame(job: Job, frame: int) -> FrameReport:
-    """Render one frame of a job. Whatever goes wrong with it is in the report; only interrupts are raised."""
+def render_frame(job: Job, frame: int, carried: CarryOver | None = None) -> FrameReport:
+    """Render one frame of a job. Whatever goes wrong with it is in the report; only interrupts are raised.
+
+    ``carried`` holds results of the run's earlier frames, and gets those that its later frames will ask for; without it
+    nothing is held.
+    """
     start = time.perf_counter()
+    if carried is None:
+        carried = CarryOver(job.graph, (), ResultStore(0))
+    carried.begin(frame)
     files = {node: tuple(Sequence(each).path(frame) for each in patterns) for node, patterns in job.outputs.items()}
     notes: list[Note] = []
     timings: dict[str, float] = {}
@@ -34,7 +45,7 @@ def render_frame(job: Job, frame: int) -> FrameReport:
     status: Status = "failed"
     try:
         with error_boundary(frame=frame):
-            status = _render(job, frame, files, notes, timings)
+            status = _render(job, frame, files, notes, timings, carried)
     except FlowabsError as failure:
         error = failure
         _free_images(error)
@@ -43,13 +54,20 @@ def render_frame(job: Job, frame: int) -> FrameReport:
 
 
 def _render(
-    job: Job, frame: int, files: dict[str, tuple[str, ...]], notes: list[Note], timings: dict[str, float]
+    job: Job,
+    frame: int,
+    files: dict[str, tuple[str, ...]],
+    notes: list[Note],
+    timings: dict[str, float],
+    carried: CarryOver,
 ) -> Status:
     """Write each write node's ``files`` that are not there yet, and empty ``files`` if the frame is left out."""
     graph, options, settings = job.graph, job.options, job.options.settings
-    steps = make_plan(graph, frame, sinks=files)
-    params = {Unit(node, frame): values for node, values in graph.values(frame).items()}
-    sources = find_sources(graph, steps, params, options)
+    params = UnitParams(graph)
+    found = Sources(graph, params, options)
+    inputs_of = FrameWindows(graph, params, found).inputs_of
+    steps = make_plan(graph, frame, sinks=files, inputs_of=inputs_of)
+    sources = found.of_steps(steps)
     for unit, source in sources.items():
         if source.skip:
             notes.append(Note("its file is missing: the frame is left out", unit.node))
@@ -67,8 +85,13 @@ def _render(
         }
     stale = {node: paths for node, paths in stale.items() if paths}
     if not stale:
+        carried.choose((), keys)
         return "skipped"
 
+    held_over = carried.held(steps, keys)
+    steps = make_plan(graph, frame, sinks=stale, given=held_over, inputs_of=inputs_of)
+    carried.choose(steps, keys)
+    needed = {result for step in steps for result in step.needs}
     document = json.dumps(graph.document)
     claims: dict[str, Claim] = {}
 
@@ -81,10 +104,11 @@ def _render(
             save(prepared["picture"], path, key=key, graph=document, settings=settings, claimed=claimed, warn=warn)
 
     evaluation.on_sink = write
+    evaluation.on_result = carried.put
     with ExitStack() as held:  # from before the filtering: another run that comes to this frame must not do it as well
         for path in (path for paths in stale.values() for path in paths):
             claims[path] = held.enter_context(claim(checked(path, settings)))
-        evaluation.run(make_plan(graph, frame, sinks=stale), {})
+        evaluation.run(steps, {result: image for result, image in held_over.items() if result in needed})
     return "done"
 
 

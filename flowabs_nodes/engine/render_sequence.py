@@ -8,6 +8,7 @@ import time
 from collections.abc import Iterable, Iterator
 from typing import Any
 
+from flowabs_nodes.engine.carry_over import CarryOver
 from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.job_builder import build_job
 from flowabs_nodes.engine.options import RunOptions, takes_run_options
@@ -23,6 +24,7 @@ from flowabs_nodes.engine.report import (
     note_event,
     start_event,
 )
+from flowabs_nodes.engine.result_store import ResultStore
 from flowabs_nodes.engine.runnable import GraphSource, load_graph
 from flowabs_nodes.engine.signals import Stopped
 from flowabs_nodes.errors import WriteError
@@ -72,9 +74,19 @@ def run(
 
 
 def render_sequence(
-    graph: GraphSource, options: RunOptions, *, profile: bool = False, on_event: Listener | None = None
+    graph: GraphSource,
+    options: RunOptions,
+    *,
+    profile: bool = False,
+    on_event: Listener | None = None,
+    store: ResultStore | None = None,
 ) -> Report:
-    """Render the frames that ``options`` ask for, one after the other; the others are as for :func:`run`."""
+    """Render the frames that ``options`` ask for, one after the other.
+
+    ``store`` holds the results that later frames will ask for again, in graphs some of whose nodes read other frames
+    than their own; without one they are held in 4 GiB. Its bound is on what is held from frame to frame, beside the
+    pictures that one frame needs at a time. All else is as for :func:`run`.
+    """
     start = time.perf_counter()
     loaded = load_graph(graph)
     if options.set:
@@ -86,11 +98,12 @@ def render_sequence(
     for note in about:
         tell(note_event(note))
     reports: list[FrameReport] = []
-    told: dict[tuple[str, str], None] = {}
+    told: dict[tuple[object, ...], None] = {}
+    carried = CarryOver(job.graph, numbers, ResultStore() if store is None else store)
     stopped = 0
     try:
         _remove_temporary_files(job)
-        for report in _render_frames(job, numbers):
+        for report in _render_frames(job, numbers, carried):
             reports.append(report)
             for note in _untold(report.notes, told):
                 tell(note_event(note, report.frame))
@@ -112,7 +125,7 @@ def render_sequence(
     return result
 
 
-def _render_frames(job: Job, numbers: Iterable[int]) -> Iterator[FrameReport]:
+def _render_frames(job: Job, numbers: Iterable[int], carried: CarryOver) -> Iterator[FrameReport]:
     """Yield the report of each frame as it is rendered; once the disk is full, report all further frames as failed."""
     full = False
     for number in numbers:
@@ -120,16 +133,20 @@ def _render_frames(job: Job, numbers: Iterable[int]) -> Iterator[FrameReport]:
             error = WriteError("not made: the disk is full", code="disk-full", frame=number)
             yield FrameReport(number, "failed", error=error)
             continue
-        report = render_frame(job, number)
+        report = render_frame(job, number, carried)
         full = report.error is not None and report.error.code == "disk-full"
         yield report
 
 
-def _untold(notes: Iterable[Note], told: dict[tuple[str, str], None]) -> Iterator[Note]:
-    """Yield the notes that are still to be told, and remember those that are told once in ``told``."""
+def _untold(notes: Iterable[Note], told: dict[tuple[object, ...], None]) -> Iterator[Note]:
+    """Yield the notes that are still to be told, and remember them in ``told``.
+
+    What a node says about one frame is told once, though the node may run on that frame again for another one.
+    """
     for note in notes:
-        if not note.once or (note.node, note.once) not in told:
-            told[note.node, note.once] = None
+        name = (note.node, note.once) if note.once else (note.node, note.frame, note.text)
+        if name not in told or not (note.once or note.frame is not None):
+            told[name] = None
             yield note
 
 

@@ -17,12 +17,17 @@ Listener = Callable[[dict[str, Any]], None]
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """Something to tell the person who runs the graph. ``once``: tell it only once per run, node and this word."""
+    """Something to tell the person who runs the graph.
+
+    ``once``: tell it only once per run, node and this word. ``frame``: the frame that it is about, where that may be
+    another one than the frame being rendered.
+    """
 
     text: str
     node: str = ""
     warning: bool = False
     once: str = ""
+    frame: int | None = None
 
     def __str__(self) -> str:
         return f"{self.node}: {self.text}" if self.node else self.text
@@ -69,8 +74,12 @@ def start_event(graph: str, frames: int) -> dict[str, Any]:
 
 
 def note_event(note: Note, frame: int | None = None) -> dict[str, Any]:
-    """Return the event of a note on a frame, or (frame None) on the graph; ``level`` is "note" or "warning"."""
+    """Return the event of a note on a frame, or (frame None) on the graph; ``level`` is "note" or "warning".
+
+    A note that knows its frame goes before ``frame``.
+    """
     level = "warning" if note.warning else "note"
+    frame = frame if note.frame is None else note.frame
     return {"event": "note", "frame": frame, "node": note.node or None, "level": level, "text": note.text}
 
 

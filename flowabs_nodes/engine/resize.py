@@ -12,6 +12,7 @@ import OpenImageIO as oiio
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.image import Image, Window
+from flowabs_nodes.port_types import pixel_type
 
 #: Sharp, so that lines drawn on the smaller picture are those of the full one. Its overshoot is cut off below.
 FILTER = "lanczos3"
@@ -32,7 +33,8 @@ def _rounded(value: float) -> int:
 def scale_image(image: Image, scale: float) -> Image:
     """Return the picture with both windows scaled by ``scale``, above 0 up to 1; metadata and origin stay.
 
-    Color, mono and matte are filtered. Flow and data are taken from the nearest pixel: directions and ids have no mean.
+    By the picture's type (:data:`flowabs_nodes.port_types.TYPES`) it is filtered, or taken from the nearest pixel;
+    channels that are lengths in pixels become as much shorter as the display window does along their axis.
 
     Raises
     ------
@@ -45,7 +47,12 @@ def scale_image(image: Image, scale: float) -> Image:
     spec = image.spec
     spec.x, spec.y, spec.width, spec.height = data
     spec.full_x, spec.full_y, spec.full_width, spec.full_height = display
-    pixels = _nearest(image, data, display) if image.type in ("flow", "data") else _filtered(image, data, display)
+    declared = pixel_type(image.type)
+    pixels = _filtered(image, data, display) if declared.filtered else _nearest(image, data, display)
+    if declared.lengths:
+        full = image.display_window
+        factors = {"x": display.width / full.width, "y": display.height / full.height}
+        pixels = pixels * np.array([factors[axis] for axis in declared.lengths], pixels.dtype)
     return Image(pixels, spec, image.type, colorspace=image.colorspace, origin=image.origin)
 
 

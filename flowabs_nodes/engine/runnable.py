@@ -6,22 +6,27 @@ import logging
 from collections.abc import Iterable, Mapping
 from dataclasses import fields
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 from flowabs_nodes import graph as graphs
 from flowabs_nodes.engine.evaluate import Evaluation
+from flowabs_nodes.engine.frame_windows import FrameWindows
 from flowabs_nodes.engine.options import RunOptions
-from flowabs_nodes.engine.plan import Result, Unit, make_plan, named_result, sinks
+from flowabs_nodes.engine.plan import Result, make_plan, named_result, sinks
 from flowabs_nodes.engine.report import Listener, Note, note_event
 from flowabs_nodes.engine.resize import scale_image
-from flowabs_nodes.engine.sources import find_sources
+from flowabs_nodes.engine.sources import Sources
+from flowabs_nodes.engine.unit_params import UnitParams
 from flowabs_nodes.errors import ArgumentError, CommandError
 from flowabs_nodes.graph.model import Graph
-from flowabs_nodes.image import Image, PortType
+from flowabs_nodes.image import Image
 from flowabs_nodes.io.settings import Settings
 
 #: A path, the name of a graph that comes with the package, its content as a dict, or one that is loaded.
 GraphSource = str | Path | Mapping[str, Any] | Graph
+
+#: Images that stand in for outputs, by the output's name: of the frame to run, or by frame number.
+Given = Mapping[str, Image | Mapping[int, Image]]
 
 log = logging.getLogger("flowabs")
 
@@ -32,7 +37,7 @@ class RunnableGraph(Graph):
     def run(
         self,
         frame: int = 1,
-        given: Mapping[str, Image] | None = None,
+        given: Given | None = None,
         set: Mapping[str, Any] | None = None,
         outputs: Iterable[str] | None = None,
         scale: float = 1.0,
@@ -47,7 +52,9 @@ class RunnableGraph(Graph):
             The frame's number, for curves and for files of sequences.
         given
             Images that stand in for outputs, by ``"node"`` (its first output) or ``"node.output"``. Whatever only
-            these outputs depend on, files included, is not touched.
+            these outputs depend on, files included, is not touched. An image is that of ``frame``; for nodes that read
+            other frames too, give a dict from frame number to Image: ``{"plate": {9: before, 10: image, 11: after}}``
+            for frame 10. On frames that are not given, the output is not there.
         set
             Values of knobs and parameters: ``{"line_width": 1.5, "lines.softness": 2}``.
         outputs
@@ -82,9 +89,11 @@ class RunnableGraph(Graph):
         }
         names = tuple(outputs) if outputs is not None else _written_outputs(graph)
         wanted = {name: named_result(graph, name, frame) for name in names}
-        steps = make_plan(graph, frame, results=wanted.values(), given=images)
-        params = {Unit(node, frame): values for node, values in graph.values(frame).items()}
-        sources = find_sources(graph, steps, params, options)
+        params = UnitParams(graph)
+        found = Sources(graph, params, options)
+        inputs_of = FrameWindows(graph, params, found, images).inputs_of
+        steps = make_plan(graph, frame, results=wanted.values(), given=images, inputs_of=inputs_of)
+        sources = found.of_steps(steps)
         left_out = next((unit for unit, source in sources.items() if source.skip), None)
         if left_out is not None:
             raise CommandError("no such file, and missing frames are skipped", code="missing-file", node=left_out.node)
@@ -124,30 +133,50 @@ def _runnable(graph: Graph) -> RunnableGraph:
     return RunnableGraph(**{field.name: getattr(graph, field.name) for field in fields(graph)})
 
 
-def _given_images(graph: Graph, given: Mapping[str, Image], frame: int) -> dict[Result, Image]:
+def _given_images(graph: Graph, given: Given, frame: int) -> dict[Result, Image]:
     """Return the images by the result they stand in for, each as a type that the output may have."""
     images: dict[Result, Image] = {}
-    for name, image in given.items():
+    for name, what in given.items():
         result = named_result(graph, name, frame)
-        if not isinstance(image, Image):
-            raise ArgumentError(
-                f"given[{name!r}]: expected an Image, found {type(image).__name__}",
-                code="wrong-type",
-                hint="Image.from_array and Image.from_imagebuf make one",
-                parameter="given",
-            )
         if result in images:
             raise ArgumentError(f"given[{name!r}]: this output is given twice", parameter="given")
-        port = graph.nodes[result.node].declaration.all_outputs[result.output]
-        kind = image.type if port.same_as else port.takes(image.type)
-        if kind is None:
+        if not isinstance(what, Mapping):
+            images[result] = _given_image(graph, result, what, f"given[{name!r}]")
+            continue
+        if frame not in what:
+            found = ", ".join(map(str, what)) or "none"
             raise ArgumentError(
-                f"given[{name!r}]: expected {port.types.replace('|', ' or ')}, found {image.type}",
-                code="wrong-type",
+                f"given[{name!r}]: expected an Image of frame {frame}, the one to run, among its frames, found {found}",
                 parameter="given",
             )
-        images[result] = image.as_type(cast(PortType, kind))
+        for number, image in what.items():
+            if not isinstance(number, int) or isinstance(number, bool):
+                raise ArgumentError(
+                    f"given[{name!r}]: expected frame numbers, found {number!r}", code="wrong-type", parameter="given"
+                )
+            place = f"given[{name!r}][{number}]"
+            images[result._replace(frame=number)] = _given_image(graph, result, image, place)
     return images
+
+
+def _given_image(graph: Graph, result: Result, image: Image, place: str) -> Image:
+    """Return an image that stands in for a result, as a type that the output may have; ``place`` is for errors."""
+    if not isinstance(image, Image):
+        raise ArgumentError(
+            f"{place}: expected an Image, found {type(image).__name__}",
+            code="wrong-type",
+            hint="Image.from_array and Image.from_imagebuf make one",
+            parameter="given",
+        )
+    port = graph.nodes[result.node].declaration.all_outputs[result.output]
+    kind = image.type if port.same_as else port.takes(image.type)
+    if kind is None:
+        raise ArgumentError(
+            f"{place}: expected {port.types.replace('|', ' or ')}, found {image.type}",
+            code="wrong-type",
+            parameter="given",
+        )
+    return image.as_type(kind)
 
 
 def _written_outputs(graph: Graph) -> tuple[str, ...]:
@@ -170,4 +199,5 @@ def _tell(notes: Iterable[Note], frame: int, on_event: Listener | None) -> None:
         if on_event is not None:
             on_event(note_event(note, frame))
         else:
-            log.log(logging.WARNING if note.warning else logging.INFO, "frame %d: %s", frame, note)
+            about = frame if note.frame is None else note.frame
+            log.log(logging.WARNING if note.warning else logging.INFO, "frame %d: %s", about, note)

@@ -17,32 +17,65 @@ if TYPE_CHECKING:
     from flowabs_nodes.graph.model import Graph
 
 
-def find_sources(
-    graph: Graph,
-    steps: Iterable[Step],
-    params: Mapping[Unit, Mapping[str, Any]],
-    options: RunOptions,
-) -> dict[Unit, Source]:
-    """Find the source of every step that reads; ``options.missing`` goes before the node's own policy.
+class Sources:
+    """Finds the sources of units that read, each once; ``options.missing`` goes before the node's own policy.
 
-    Raises
-    ------
-    CommandError
-        file-not-set, or outside-root.
-    ReadError
-        missing-file, with node and frame, where the policy does not help.
+    ``params`` are the units' parameters.
     """
-    found = {}
-    for unit in (step.unit for step in steps if file_role(graph, step.unit.node) == "input"):
-        with error_boundary(unit.node, unit.frame):
-            values = params[unit]
-            source = Sequence(file_of(graph, unit.node, values)).resolve(
-                unit.frame, options.missing or values.get("missing", "error")
-            )
-            if source.path is not None:
-                checked(source.path, options.settings)
-            found[unit] = source
-    return found
+
+    def __init__(self, graph: Graph, params: Mapping[Unit, Mapping[str, Any]], options: RunOptions) -> None:
+        self._graph = graph
+        self._params = params
+        self._options = options
+        self._found: dict[Unit, Source] = {}
+        self._sequences: dict[str, Sequence] = {}  # by pattern
+        self._on_disk: dict[str, tuple[int, ...]] = {}
+
+    def of(self, unit: Unit) -> Source:
+        """Return the source of a unit that reads.
+
+        Raises
+        ------
+        CommandError
+            file-not-set, or outside-root.
+        ReadError
+            missing-file, with node and frame, where the policy does not help.
+        """
+        if unit not in self._found:
+            with error_boundary(unit.node, unit.frame):
+                policy = self._options.missing or self._params[unit].get("missing", "error")
+                source = self._sequence(unit).resolve(unit.frame, policy)
+                if source.path is not None:
+                    checked(source.path, self._options.settings)
+                self._found[unit] = source
+        return self._found[unit]
+
+    def of_steps(self, steps: Iterable[Step]) -> dict[Unit, Source]:
+        """Return the source of every step that reads; errors are as in :meth:`of`."""
+        return {step.unit: self.of(step.unit) for step in steps if file_role(self._graph, step.unit.node) == "input"}
+
+    def frames_on_disk(self, unit: Unit) -> tuple[int, ...]:
+        """Return the frames that are on disk of the sequence that a unit reads, in order; none of a single picture.
+
+        Raises
+        ------
+        CommandError
+            file-not-set.
+        ReadError
+            The folder cannot be listed.
+        """
+        if unit.node not in self._on_disk:
+            with error_boundary(unit.node, unit.frame):
+                sequence = self._sequence(unit)
+                self._on_disk[unit.node] = sequence.frames_on_disk() if sequence.has_token else ()
+        return self._on_disk[unit.node]
+
+    def _sequence(self, unit: Unit) -> Sequence:
+        """Return the sequence or single picture that a unit reads."""
+        pattern = file_of(self._graph, unit.node, self._params[unit])
+        if pattern not in self._sequences:
+            self._sequences[pattern] = Sequence(pattern)
+        return self._sequences[pattern]
 
 
 def file_of(graph: Graph, node: str, values: Mapping[str, Any]) -> str:

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from flowabs_nodes.array_types import Array
-from flowabs_nodes.color.codes import Codes
-from flowabs_nodes.color.spaces import ColorSpace
-from flowabs_nodes.finishing.fused import finish
-from flowabs_nodes.finishing.operations import Operation, fused_together
-from flowabs_nodes.image import PixelSource
+from flowabs_nodes.errors import ArgumentError
+from flowabs_nodes.finishing.operations import Ink, OnRows, Operation, Quantize, RowsFunction
+from flowabs_nodes.image import Image
+
+# What numba compiles is imported where it is needed: a node that notes an operation down is declared without.
+if TYPE_CHECKING:
+    from flowabs_nodes.color.codes import Codes
+    from flowabs_nodes.color.spaces import ColorSpace
 
 
 @dataclass(frozen=True)
@@ -19,20 +23,45 @@ class Deferred:
     codes: Codes
     operations: tuple[Operation, ...]
 
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Return the shape of the picture, (H, W, 3) or (H, W, 4)."""
+        return self.codes.shape
+
     def decode(self, colorspace: ColorSpace) -> Array:
         """Return the finished scene-linear picture: (H, W, 3), or premultiplied (H, W, 4) if ``codes.under`` has alpha.
 
         It is float32, in ``colorspace``. ArgumentError for code values that are not finite.
         """
+        from flowabs_nodes.finishing.finish import finish
+
         return finish(self.codes, self.operations, colorspace)
 
 
-def then(source: PixelSource | None, operation: Operation) -> Deferred | None:
-    """Return ``source`` with one more deferred operation, or None if the fused kernel cannot do all of them in a pass.
+def with_operation(image: Image, operation: Quantize | Ink | RowsFunction, node: str = "") -> Image:
+    """Return a color image with one more operation on each of its pixels, after those that are noted down already.
 
-    None also for a ``source`` of None: an image whose pixels are there already.
+    Where a filter left code values, the operation is only noted down, and done in one pass with the decoding when
+    pixels are asked for; otherwise it is done now.
+
+    Parameters
+    ----------
+    operation
+        ``Quantize``, ``Ink``, or a function ``operation(rows, first_row)``, which is called for one band of rows after
+        another, by several threads at once. ``rows`` is (h, W, 3 or 4) float32, scene-linear and premultiplied;
+        ``first_row`` is the number of its first row in the picture. The function changes ``rows`` in place and returns
+        None, or returns others of the same shape. A pixel of the result may depend on no other pixel of ``rows``, and
+        alpha must stay as it is. Whatever the function needs of other images is asked for before, not inside.
+    node
+        The node that the function belongs to, ``context.node``: an error in the function is that node's.
     """
-    if source is None:
-        return None
-    operations = (*(source.operations if isinstance(source, Deferred) else ()), operation)
-    return Deferred(source.codes, operations) if fused_together(source.codes.space, operations) else None
+    each = operation if isinstance(operation, Quantize | Ink | OnRows) else OnRows(operation, node)
+    if image.type != "color":
+        raise ArgumentError(f"operations are done on color images, this one is {image.type}", parameter="image")
+    source = image.deferred
+    if source is not None:
+        before = source.operations if isinstance(source, Deferred) else ()
+        return image.with_deferred(Deferred(source.codes, (*before, each)))
+    from flowabs_nodes.finishing.finish import finish_pixels
+
+    return image.with_pixels(finish_pixels(image.pixels, each, image.colorspace))

@@ -15,7 +15,7 @@ from flowabs_nodes.color.codes import BARE, NOTHING, Codes, matrices
 from flowabs_nodes.color.spaces import ColorSpace
 from flowabs_nodes.filters.compositing import InkColor, over
 from flowabs_nodes.filters.regions.quantize import Steps, middle
-from flowabs_nodes.finishing.operations import Operation, split
+from flowabs_nodes.finishing.operations import Ink, Quantize
 from flowabs_nodes.simd.finite import refuse_non_finite
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.known_finite import mark_finite
@@ -36,16 +36,15 @@ class Drawing(NamedTuple):
     ink: InkColor
 
 
-def finish(codes: Codes, operations: tuple[Operation, ...], colorspace: ColorSpace) -> Array:
-    """Return the picture that code values decode to in ``colorspace``, with ``operations`` done on its pixels.
+def decoded(codes: Codes, quantize: Quantize | None, ink: Ink | None, colorspace: ColorSpace) -> Array:
+    """Return the picture that code values decode to in ``colorspace``, quantised and with ink over it where given.
 
-    The result is scene-linear float32, (H, W, 3), or premultiplied (H, W, 4) if ``codes.under`` has alpha. The
-    operations must be ones that :func:`~flowabs_nodes.finishing.operations.fused_together` accepts. ArgumentError for
-    code values that are not finite.
+    The result is scene-linear float32, (H, W, 3), or premultiplied (H, W, 4) if ``codes.under`` has alpha. Only code
+    values of "lab" can be quantised on the way. ArgumentError for code values that are not finite.
     """
-    quantize, ink = split(operations)
-    height, width, _ = codes.values.shape
-    channels = 3 if codes.under is None else 4
+    if quantize is None and ink is None:
+        return codes.decode(colorspace)
+    height, width, channels = codes.shape
     run, below = as_run(codes.values, 3), NOTHING if codes.under is None else as_run(codes.under, 4)
     drawing = Drawing(NOTHING, _NO_INK) if ink is None else Drawing(as_run(ink.lines), (*ink.color, ink.opacity))
     count = run.size // 3

@@ -1,10 +1,18 @@
-"""The per-pixel operations that can be deferred until a picture is decoded; the kernels of fused.py do them."""
+"""The per-pixel operations that can be deferred until a picture is decoded.
+
+The kernels of fused.py do ours, :class:`Quantize` and :class:`Ink`. Any other is a function, :class:`OnRows`.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 from flowabs_nodes.array_types import Array
+
+#: Changes rows of a picture, (h, W, C) float32, scene-linear and premultiplied, in place, or returns others of the same
+#: shape. The number is that of the first row. A pixel of the result may depend on no other pixel.
+RowsFunction = Callable[[Array, int], Array | None]
 
 
 class Quantize(NamedTuple):
@@ -22,19 +30,22 @@ class Ink(NamedTuple):
     opacity: float  # 0 to 1
 
 
-Operation = Quantize | Ink
+class OnRows(NamedTuple):
+    """Call a function on the rows of the picture."""
+
+    function: RowsFunction
+    node: str = ""  # the node that noted it down, for errors
 
 
-def split(operations: tuple[Operation, ...]) -> tuple[Quantize | None, Ink | None]:
-    """Return the quantisation and the ink among operations that :func:`fused_together` accepts."""
-    quantize = next((each for each in operations if isinstance(each, Quantize)), None)
-    return quantize, next((each for each in operations if isinstance(each, Ink)), None)
+Operation = Quantize | Ink | OnRows
 
 
-def fused_together(space: str, operations: tuple[Operation, ...]) -> bool:
-    """Return whether one kernel decodes code values of ``space`` and does these operations, in this order.
+def fused_with_decoding(space: str, operations: tuple[Operation, ...]) -> tuple[Quantize | None, Ink | None]:
+    """Return the first of the ``operations`` that one kernel does while it decodes code values of ``space``.
 
     Kernels quantise only in "lab", whose code values hold L*, and lay ink over the picture last.
     """
-    kinds = [type(operation) for operation in operations]
-    return kinds in ([Quantize], [Ink], [Quantize, Ink]) and (space == "lab" or kinds == [Ink])
+    first, second, *_ = *operations, None, None
+    quantize = first if isinstance(first, Quantize) and space == "lab" else None
+    ink = first if quantize is None else second
+    return quantize, ink if isinstance(ink, Ink) else None

@@ -59,7 +59,8 @@ def override(graph: Graph, values: Mapping[str, Any]) -> Graph:
     errors = wrong + [_renamed(problem, places) for problem in problems.found if not problem.warning]
     if errors or result is None:
         raise GraphError(errors, file=graph.source or None)
-    return replace(result, notes=graph.notes)
+    warnings = tuple(_renamed(problem, places) for problem in result.warnings)
+    return replace(result, notes=graph.notes, warnings=warnings)
 
 
 def _find(graph: Graph, name: str, here: str, wrong: list[Problem]) -> Place | None:

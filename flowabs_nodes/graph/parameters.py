@@ -116,8 +116,9 @@ def _map(param: Param, raw: Any, place: Place, problems: Problems) -> tuple[tupl
 
 def _curve(param: Param, raw: Any, place: Place, problems: Problems) -> tuple[tuple[int, float], ...]:
     """Read the keys {"frame": value, ...} of a curve, in the order of the frames."""
-    if not param.numeric:
-        problems.add("wrong-type", place, "a curve", f"no curve: only numbers take one; {param.expected}")
+    if not param.animatable:
+        why = "this number is the same on every frame" if param.numeric else "only numbers take one"
+        problems.add("wrong-type", place, "a curve", f"no curve: {why}; {param.expected}")
         return ()
     if not isinstance(raw, dict):
         problems.add("wrong-type", place, show(raw), 'an object from frame to value, such as {"1001": 0.98, "1100": 1}')

@@ -13,7 +13,7 @@ from flowabs_nodes.errors import FlowabsError
 #: The keys and indices that lead to a value of a document.
 Place = tuple[str | int, ...]
 
-#: Every code that a problem can have. The last one is a warning, the others are errors.
+#: Every code that a problem can have. The last two are warnings, the others are errors.
 CODES = (
     "bad-json",
     "too-big",
@@ -32,6 +32,7 @@ CODES = (
     "out-of-range",
     "cycle",
     "unused-node",
+    "unused-param",
 )
 
 
@@ -115,8 +116,10 @@ class Problems:
         self._silent: set[Place] = set()
 
     def add(self, code: str, place: Place, found: str, expected: str, hint: str = "", *, warning: bool = False) -> None:
-        """Add a problem, unless its place, or one above it, is silenced."""
+        """Add a problem, unless its place, or one above it, is silenced. A warning too many is left out."""
         if self._silent and any(place[:depth] in self._silent for depth in range(len(place) + 1)):
+            return
+        if warning and len(self.found) >= self.most:
             return
         self.room_for(1)
         self.errors += not warning

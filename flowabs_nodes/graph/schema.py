@@ -1,6 +1,7 @@
 """Makes the JSON Schema (2020-12) of the graph file from the declarations: for editors, forms and other programs.
 
 What a schema cannot say (links that lead somewhere, ports that fit, cycles, knobs that fit) only :func:`check` says.
+What panels need beside ``title``, ``description`` and ``default`` has keys of its own, which begin with ``x-``.
 """
 
 from __future__ import annotations
@@ -116,7 +117,7 @@ def _node(node: Node) -> Schema:
     if node.extra_inputs:
         inputs["propertyNames"] = {"$ref": "#/$defs/name", "not": {"enum": taken_names(node)}}
     needed = [port.name for port in node.inputs if not port.optional]
-    result: Schema = {"description": node.help, "properties": {"inputs": inputs}}
+    result: Schema = {"title": node.label, "description": node.help, "properties": {"inputs": inputs}}
     if needed:
         inputs["required"] = needed
         result["required"] = ["inputs"]
@@ -128,6 +129,8 @@ def _node(node: Node) -> Schema:
         result["required"] = [*result.get("required", []), "params"]
     if node.outputs:
         result["x-outputs"] = {port.name: port.types for port in node.outputs}
+    result["x-category"] = node.category
+    result["x-region"], result["x-frames"] = node.region is not None, node.frames is not None
     return result
 
 
@@ -139,16 +142,14 @@ def _param(param: Param) -> Schema:
     """Return the schema of a parameter: a literal, a knob, or for numbers a curve; beside them help, default, unit."""
     literal = value(param)
     forms: list[Schema] = [literal, {"$ref": "#/$defs/from"}]
-    if param.numeric:
-        number = {**literal, "type": literal["type"][0]} if param.nullable else literal
-        forms[1] = {"$ref": "#/$defs/from", "properties": {"map": _points(number)}}
+    number = {**literal, "type": literal["type"][0]} if param.nullable and param.numeric else literal
+    forms[1] = {"$ref": "#/$defs/from", "properties": {"map": _points(number) if param.numeric else False}}
+    if param.animatable:
         keys = {"type": "object", "minProperties": 1, "additionalProperties": number}
         keys["propertyNames"] = {"pattern": f"^({FRAME.pattern})$"}
         curve = {"type": "object", "properties": {"curve": keys}, "required": ["curve"], "additionalProperties": False}
         forms.append(curve)
-    else:
-        forms[1] = {"$ref": "#/$defs/from", "properties": {"map": False}}
-    result: Schema = {"description": param.help}
+    result: Schema = {"title": param.label, "description": param.help}
     if not param.required:
         result["default"] = list(param.default) if isinstance(param.default, tuple) else param.default
     if param.unit:
@@ -157,6 +158,11 @@ def _param(param: Param) -> Schema:
         result["x-soft-min"], result["x-soft-max"] = param.soft
     if param.scales:
         result["x-scales"] = param.scales
+    if param.group:
+        result["x-group"] = param.group
+    if param.enabled_when:
+        result["x-enabled-when"] = {name: list(values) for name, values in param.enabled_when.items()}
+    result["x-animatable"] = param.animatable
     if "examples" in param.schema:
         result["examples"] = param.schema["examples"]
     return {**result, "anyOf": forms}
@@ -179,6 +185,9 @@ def value(param: Param) -> Schema:
     result: Schema = {"type": [kinds[param.kind], "null"] if param.nullable else kinds[param.kind]}
     if param.kind == "enum":
         result["enum"] = list(param.choices)
+        result["x-enum-titles"] = list(param.choice_labels.values())
+        if param.choice_meanings:
+            result["enumDescriptions"] = [param.choice_meanings[choice] for choice in param.choices]
     if param.min is not None:
         result["exclusiveMinimum" if param.above else "minimum"] = _json_number(param.min)
     if param.max is not None:

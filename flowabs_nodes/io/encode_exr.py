@@ -24,6 +24,7 @@ from flowabs_nodes.io import attributes, exr_header, nonfinite
 from flowabs_nodes.io.formats import Format
 from flowabs_nodes.io.output_image import Picture, layer_planes, main_planes
 from flowabs_nodes.io.passthrough import alpha_left_out, passthrough_layers
+from flowabs_nodes.port_types import pixel_type
 
 Say = Callable[[str], None]
 Planes = dict[str, npt.NDArray[Any]]
@@ -111,35 +112,45 @@ def _color_tags(picture: Picture, format: Format, header: dict[str, Any]) -> dic
 
 
 def _data_type(picture: Picture, image: Image, format: Format, warn: Say) -> str:
-    """Choose "half" or "float" for the channels of an image."""
+    """Choose "half", "float" or "uint" for the channels of an image."""
+    stored = pixel_type(image.type).stored
+    if stored == "exact":
+        return _TYPES[str(image.pixels.dtype)]
     if picture.data_type in format.data_types:
         return picture.data_type
     if picture.data_type != "auto" and image is picture.image:
         warn(f"{format.name} cannot hold {picture.data_type}: data_type auto is used")
-    if image.type == "flow":
+    if stored == "float":
         return "float"
     basetype = image.spec.format.basetype
-    if image.type == "data":
+    if stored == "read":
         return "half" if basetype == oiio.HALF else "float"
     return "float" if basetype in (oiio.FLOAT, oiio.DOUBLE) and image.origin is not None else "half"
 
 
 def _typed(name: str, image: Image, planes: Mapping[str, Array], kind: str, warn: Say) -> Planes:
-    """Return planes in their final type; ``warn`` is told of every NaN, and of every value beyond the type's range."""
+    """Return planes in their final type, depth, ids and the like as they are, bit for bit.
+
+    ``warn`` is told of every NaN, and of every value beyond the type's range.
+    """
+    stored = pixel_type(image.type).stored
     nans, infs = nonfinite.count(image.pixels)
-    if image.type == "data" and (nans or infs):
+    as_they_are = stored in ("read", "exact")
+    if as_they_are and (nans or infs):
         warn(f"{name}: {nonfinite.said(nans, infs)} written as they are")
     elif nans:
         warn(f"{name}: {nans} NaN written as 0")
+    if stored == "exact":
+        return {channel: np.ascontiguousarray(plane) for channel, plane in planes.items()}
     limit = np.float32(HALF_MAX if kind == "half" else np.finfo(np.float32).max)
     clamped = 0
     typed: Planes = {}
     for channel, plane in planes.items():
-        if nans and image.type != "data":
+        if nans and not as_they_are:
             plane = np.where(np.isnan(plane), np.float32(0), plane)
         if not (plane.max() <= limit and plane.min() >= -limit):
             beyond = np.abs(plane) > limit
-            if image.type == "data":
+            if as_they_are:
                 beyond &= np.isfinite(plane)
             clamped += int(beyond.sum())
             plane = np.where(beyond, np.copysign(limit, plane), plane)

@@ -22,6 +22,7 @@ from flowabs_nodes.io.limits import check_display_window
 from flowabs_nodes.io.oiio_error import reason
 from flowabs_nodes.io.output_image import Picture, main_planes
 from flowabs_nodes.io.settings import Settings
+from flowabs_nodes.port_types import pixel_type
 
 Say = Callable[[str], None]
 
@@ -33,11 +34,13 @@ def encode_flat(picture: Picture, format: Format, stamps: Mapping[str, str], war
     """Return the file's bytes: colour encoded for the screen, alpha straight; mattes and mono as they are.
 
     ``stamps`` are stored where ``format.stamps`` says; ``warn`` is told what the format cannot hold. Raises WriteError
-    for a flow or data image, for a display window above ``max_pixels``, and where OpenImageIO fails.
+    for an image that is no picture to look at (flow, depth, ids ...), for a display window above ``max_pixels``, and
+    where OpenImageIO fails.
     """
     image = picture.image
-    if image.type in ("flow", "data"):
-        raise WriteError(f"{format.name} cannot hold a {image.type} image; write an EXR", code="bad-format")
+    declared = pixel_type(image.type)
+    if not declared.shown:
+        raise WriteError(f"{format.name} cannot hold {declared.an_image}; write an EXR", code="bad-format")
     if picture.layers:
         warn(f"{format.name} holds one image: layers {', '.join(picture.layers)} are left out")
     if picture.keep_layers:

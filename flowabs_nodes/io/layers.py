@@ -63,7 +63,7 @@ def choose_color(specs: Sequence[oiio.ImageSpec], layer: str = "", part: str | i
     ``layer`` and ``part`` are as in :func:`flowabs_nodes.io.read.read_image`. Raises ReadError, which lists what the
     file holds, where there is no such layer or part, or no colour in it.
     """
-    candidates = _parts(specs, part)
+    candidates = parts_to_read(specs, part)
     if layer == "":
         for names in (_RGBA, _GREY):
             for index in candidates:
@@ -84,7 +84,7 @@ def choose_color(specs: Sequence[oiio.ImageSpec], layer: str = "", part: str | i
     everything = {layer_of(name) for index in candidates for name in specs[index].channelnames}
     what = "has no red, green and blue (nor Y)" if layer in everything else "is not in the file"
     hint = nearest(layer, [name or '""' for name in layers]) if layers else ""
-    raise ReadError(f"layer {layer!r} {what}; {_listing(specs)}", code="no-layer", hint=hint, parameter="layer")
+    raise ReadError(f"layer {layer!r} {what}; {listing(specs)}", code="no-layer", hint=hint, parameter="layer")
 
 
 def choose_data(specs: Sequence[oiio.ImageSpec], layer: str = "", part: str | int = "") -> Selection:
@@ -92,7 +92,7 @@ def choose_data(specs: Sequence[oiio.ImageSpec], layer: str = "", part: str | in
 
     Raises ReadError as :func:`choose_color`.
     """
-    candidates = _parts(specs, part)
+    candidates = parts_to_read(specs, part)
     for index in candidates:
         names = tuple(specs[index].channelnames)
         inside = tuple(name for name in names if name.startswith(layer + "."))
@@ -106,11 +106,11 @@ def choose_data(specs: Sequence[oiio.ImageSpec], layer: str = "", part: str | in
         name for index in candidates for channel in specs[index].channelnames for name in (channel, layer_of(channel))
     }
     known |= {part_name(specs[index]) for index in candidates}
-    message = f"layer {layer!r} is not in the file; {_listing(specs)}"
+    message = f"layer {layer!r} is not in the file; {listing(specs)}"
     raise ReadError(message, code="no-layer", hint=nearest(layer, known - {""}), parameter="layer")
 
 
-def _parts(specs: Sequence[oiio.ImageSpec], part: str | int) -> list[int]:
+def parts_to_read(specs: Sequence[oiio.ImageSpec], part: str | int) -> list[int]:
     """Return the parts to look in: one by its index or name, or all that are not deep. Raises ReadError for none."""
     text = str(part)
     if text:
@@ -118,7 +118,7 @@ def _parts(specs: Sequence[oiio.ImageSpec], part: str | int) -> list[int]:
         index = named[0] if named else int(text) if text.isdecimal() else len(specs)
         if index >= len(specs):
             names = [part_name(spec) or str(index) for index, spec in enumerate(specs)]
-            message = f"part {part!r} is not in the file; it has {len(specs)}: {_few(names)}"
+            message = f"part {part!r} is not in the file; it has {len(specs)}: {few(names)}"
             raise ReadError(message, code="no-part", hint=nearest(text, names), parameter="part")
         if specs[index].deep:
             raise ReadError(f"part {part!r} is deep data, which is not read", code="deep", parameter="part")
@@ -167,19 +167,27 @@ def _only_layer(specs: Sequence[oiio.ImageSpec], parts: Sequence[int], part: str
         return chosen._replace(note=f"no plain R, G, B: layer {chosen.layer!r} is read")
     hint = ""
     if layers:
-        hint = "layer: " + _few([repr(name) for name in layers], " or ")
-    raise ReadError(f"no R, G, B and no Y to read as colour; {_listing(specs)}", code="no-color", hint=hint)
+        hint = "layer: " + few([repr(name) for name in layers], " or ")
+    raise ReadError(f"no R, G, B and no Y to read as colour; {listing(specs)}", code="no-color", hint=hint)
 
 
-def _listing(specs: Sequence[oiio.ImageSpec]) -> str:
+def check_windows(specs: Sequence[oiio.ImageSpec], chosen: Sequence[Selection]) -> None:
+    """Raise ReadError unless all chosen layers, which may be in several parts, are on one data window."""
+    windows = {(spec.x, spec.y, spec.width, spec.height) for spec in (specs[each.part] for each in chosen)}
+    if len(windows) > 1:
+        names = few([each.layer for each in chosen])
+        raise ReadError(f"layers {names} belong together, but have different data windows", code="window-mismatch")
+
+
+def listing(specs: Sequence[oiio.ImageSpec]) -> str:
     """Return what a file holds, for messages: "it has R, G, B"."""
     if len(specs) == 1:
-        return f"it has {_few(specs[0].channelnames)}"
-    parts = [f"{part_name(spec) or index} ({_few(spec.channelnames)})" for index, spec in enumerate(specs)]
-    return f"it has the parts {_few(parts)}"
+        return f"it has {few(specs[0].channelnames)}"
+    parts = [f"{part_name(spec) or index} ({few(spec.channelnames)})" for index, spec in enumerate(specs)]
+    return f"it has the parts {few(parts)}"
 
 
-def _few(names: Sequence[str], joint: str = ", ") -> str:
+def few(names: Sequence[str], joint: str = ", ") -> str:
     """Return at most twelve names as a list for messages, each cut at 100 characters."""
     shown = [printable(name if len(name) < 100 else name[:97] + "...") for name in names[:12]]
     return joint.join(shown) + (f" and {len(names) - 12} more" if len(names) > 12 else "")

@@ -17,6 +17,7 @@ from flowabs_nodes.image import Image, Window
 from flowabs_nodes.io import formats
 from flowabs_nodes.io.formats import Format
 from flowabs_nodes.io.settings import Settings
+from flowabs_nodes.port_types import pixel_type
 
 Say = Callable[[str], None]
 
@@ -84,7 +85,7 @@ def build_picture(
 
 def main_planes(image: Image, pixels: Array) -> dict[str, Array]:
     """Return the main image's channels, name -> (H, W): R, G, B[, A]; R = G = B of a mono or matte; else its own."""
-    if image.type in ("mono", "matte"):
+    if image.type != "color" and pixel_type(image.type).shown:
         return dict.fromkeys(("R", "G", "B"), pixels[..., 0])
     return {name: pixels[..., index] for index, name in enumerate(image.channels)}
 
@@ -92,7 +93,7 @@ def main_planes(image: Image, pixels: Array) -> dict[str, Array]:
 def layer_planes(name: str, image: Image, pixels: Array) -> dict[str, Array]:
     """Return a layer's channels, name -> (H, W).
 
-    They are n.R ... of a color image, n.Y of a mono or matte, n.x and n.y of a flow, n.<last part of its name> of data.
+    A channel is n.<last part of its name>: n.R ... of a color image, n.x and n.y of a flow, n.Z of a depth.
     """
     short = [channel.rpartition(".")[2] for channel in image.channels]
     if len(set(short)) < len(short):  # left.x and right.x would be one

@@ -25,7 +25,7 @@ from flowabs_nodes.io.settings import Settings, checked
 Say = Callable[[str], None]
 
 
-def _quiet(text: str) -> None:
+def quiet(text: str) -> None:
     """Drop a message: the default where nobody listens."""
 
 
@@ -38,8 +38,8 @@ def read_image(
     alpha: str = "auto",
     nonfinite: str = "repair",
     settings: Settings | None = None,
-    note: Say = _quiet,
-    warn: Say = _quiet,
+    note: Say = quiet,
+    warn: Say = quiet,
 ) -> Image:
     """Read a plate as a color image: scene-linear, premultiplied, finite.
 
@@ -102,7 +102,7 @@ def read_image(
     except FlowabsError as error:
         error.at(file=name)
         raise
-    spec = _spec(source, chosen, ("R", "G", "B", "A") if coverage is not None else ("R", "G", "B"))
+    spec = selected_spec(source, chosen, ("R", "G", "B", "A") if coverage is not None else ("R", "G", "B"))
     origin = Origin(os.path.abspath(name), chosen.part, chosen.layer, chosen.channels, left_out)
     return Image(rgb, spec, "color", colorspace=space, origin=origin)
 
@@ -113,8 +113,8 @@ def read_data(
     layer: str = "",
     part: str | int = "",
     settings: Settings | None = None,
-    note: Say = _quiet,
-    warn: Say = _quiet,
+    note: Say = quiet,
+    warn: Say = quiet,
 ) -> Image:
     """Read AOVs as a data image: the numbers as they are in the file, under their own channel names.
 
@@ -132,9 +132,9 @@ def read_data(
     except FlowabsError as error:
         error.at(file=name)
         raise
-    spec = _spec(source, chosen, chosen.channels)
+    spec = selected_spec(source, chosen, chosen.channels)
     if spec.format == oiio.TypeUInt32 and (pixels >= 2**24).any():
-        warn("ids above 16777216 are rounded: 32-bit whole numbers do not fit float32")
+        warn("ids above 16777216 are rounded: 32-bit whole numbers do not fit float32 (read_id keeps them)")
     nans, infs = nonfinites.count(pixels)
     if nans or infs:
         note(f"{nonfinites.said(nans, infs)} in {layer or 'the data'}, left as they are")
@@ -163,7 +163,7 @@ def _coverage(pixels: Array, chosen: Selection, policy: str, note: Say) -> tuple
     return coverage, ""
 
 
-def _spec(source: oiio.ImageSpec, chosen: Selection, names: tuple[str, ...]) -> oiio.ImageSpec:
+def selected_spec(source: oiio.ImageSpec, chosen: Selection, names: tuple[str, ...]) -> oiio.ImageSpec:
     """Return the file's header for the channels that were read, under their new names and without stamps."""
     stored = {str(source.channelformat(source.channelnames.index(name))) for name in chosen.channels}
     spec = oiio.ImageSpec(source)

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from flowabs_nodes import filters
 from flowabs_nodes.choices import BILATERAL_KERNELS, ORIENTED_KERNELS
+from flowabs_nodes.filters import halo
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.common_params import GROUND, SPACE
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
 from flowabs_nodes.nodes.lines import IMAGE, LINES
+from flowabs_nodes.nodes.regions import within
 from flowabs_nodes.nodes.smooth import FBL
 
 SMOOTH = Port("image", "color", "The picture to smooth.")
@@ -20,9 +23,15 @@ def run_bilateral(context: Context, image: Image, *, space: str, **bilateral: An
     return image.with_codes(filters.bilateral(image.encoded(space), alpha=image.alpha, **bilateral), space)
 
 
+def _bilateral_halo(params: Mapping[str, Any]) -> int:
+    return halo.bilateral(params["sigma_d"], params["iterations"])
+
+
 BILATERAL = Node(
     type="bilateral",
     version=1,
+    label="Bilateral",
+    category="compare",
     help="Bilateral filter: flattens regions between edges, and follows no flow. What FBL is compared with.",
     doc=(
         "Tomasi and Manduchi's [33], each neighbour weighted by its distance and by its difference of colour. HDR: "
@@ -39,6 +48,7 @@ BILATERAL = Node(
             max=200,
             soft=(0, 5),
             unit="px",
+            label="Sigma",
             help="Gaussian of the distance; 0 changes nothing. The time of kernel full grows with its square.",
         ),
         Param.float(
@@ -49,6 +59,7 @@ BILATERAL = Node(
             above=True,
             soft=(1, 100),
             unit="code values",
+            label="Colour range",
             help="Difference of colour that still counts as alike: higher loses more edges.",
         ),
         Param.int("iterations", 3, min=0, max=100, soft=(1, 10), help="How many times the filter runs."),
@@ -61,6 +72,7 @@ BILATERAL = Node(
         SPACE,
     ),
     run=run_bilateral,
+    region=within(_bilateral_halo, "image"),
 )
 
 
@@ -69,9 +81,15 @@ def run_bilateral_oriented(context: Context, image: Image, flow: Image, *, space
     return image.with_codes(codes, space)
 
 
+def _oriented_halo(params: Mapping[str, Any]) -> int:
+    return halo.bilateral_oriented(params["sigma_e"], params["sigma_g"], params["iterations"], params["kernel"])
+
+
 BILATERAL_ORIENTED = Node(
     type="bilateral_oriented",
     version=1,
+    label="Oriented bilateral",
+    category="compare",
     help="Bilateral filter along a straight line or an arc that touches the flow, where FBL follows its curve.",
     doc=(
         "Fig. 20 d and e: fbl with its curve replaced. line: the tangent, an anisotropic bilateral filter. arc: the "
@@ -86,6 +104,7 @@ BILATERAL_ORIENTED = Node(
         *(param for param in FBL.params if param.name in ("sampling", "space")),
     ),
     run=run_bilateral_oriented,
+    region=within(_oriented_halo, "image", "flow"),
 )
 
 
@@ -100,6 +119,8 @@ def run_mean_shift(context: Context, image: Image, **mean_shift: Any) -> Image:
 MEAN_SHIFT = Node(
     type="mean_shift",
     version=1,
+    label="Mean shift",
+    category="compare",
     help="Mean-shift segmentation: flat regions of like colour. What FBL is compared with.",
     doc=(
         "What the paper compares FBL with in Fig. 21; needs the extra: pip install flowabs-nodes[compare]. OpenCV's "
@@ -117,6 +138,7 @@ MEAN_SHIFT = Node(
             max=200,
             soft=(1, 30),
             unit="px",
+            label="Radius",
             help="Radius in which a cluster is sought, h_s; rounded. The time grows with its square.",
         ),
         Param.float(
@@ -126,6 +148,7 @@ MEAN_SHIFT = Node(
             max=255,
             soft=(1, 30),
             unit="8-bit Lab",
+            label="Colour range",
             help="Radius in colour, h_r, in OpenCV's 8-bit Lab (L* x 2.55, a*, b*): higher gives fewer colours.",
         ),
         Param.int(
@@ -135,6 +158,7 @@ MEAN_SHIFT = Node(
             max=10**6,
             soft=(0, 200),
             unit="pixels",
+            label="Smallest region",
             help="Fewest pixels of a region, M: smaller ones join the nearest in colour. 0 leaves regions out.",
         ),
     ),
@@ -150,6 +174,8 @@ def run_canny(context: Context, image: Image, *, ground: float, space: str, **ca
 CANNY = Node(
     type="canny",
     version=1,
+    label="Canny edges",
+    category="compare",
     help="Canny's edges, one pixel wide: what FDoG is compared with.",
     doc=(
         "Fig. 14b; needs the extra: pip install flowabs-nodes[compare]. OpenCV's, on the gradient that etf uses; low "
@@ -159,11 +185,34 @@ CANNY = Node(
     inputs=(IMAGE,),
     outputs=(LINES,),
     params=(
-        Param.float("sigma", 1.0, min=0, max=200, soft=(0, 4), unit="px", help="Gaussian blur of the picture before."),
         Param.float(
-            "low", 0.1, min=0, max=1, soft=(0, 0.5), help="An edge goes on while it stays above this gradient."
+            "sigma",
+            1.0,
+            min=0,
+            max=200,
+            soft=(0, 4),
+            unit="px",
+            label="Blur before",
+            help="Gaussian blur of the picture before.",
         ),
-        Param.float("high", 0.2, min=0, max=1, soft=(0, 0.5), help="An edge has to reach this gradient somewhere."),
+        Param.float(
+            "low",
+            0.1,
+            min=0,
+            max=1,
+            soft=(0, 0.5),
+            label="Low threshold",
+            help="An edge goes on while it stays above this gradient.",
+        ),
+        Param.float(
+            "high",
+            0.2,
+            min=0,
+            max=1,
+            soft=(0, 0.5),
+            label="High threshold",
+            help="An edge has to reach this gradient somewhere.",
+        ),
         GROUND,
         SPACE,
     ),

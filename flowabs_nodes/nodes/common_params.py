@@ -9,6 +9,7 @@ SPACE = Param.enum(
     "space",
     "lab",
     SPACES,
+    group="Code values",
     help="Code values the filter sees: CIE Lab (L* x 2.55), or ACEScct, where every stop counts the same (HDR).",
 )
 
@@ -18,6 +19,7 @@ GROUND = Param.float(
     min=0,
     max=65504,
     soft=(0, 1),
+    group="Code values",
     help="Scene-linear grey seen behind transparent pixels, so that an element's outline counts as an edge.",
 )
 
@@ -28,5 +30,6 @@ def sampling(default: str) -> Param:
         "sampling",
         default,
         SAMPLINGS,
+        group="Sampling",
         help="How pixels are read along the flow: bilinear is smoother, nearest is crisper and faster.",
     )

@@ -6,8 +6,11 @@ import numpy as np
 
 from flowabs_nodes import color, filters
 from flowabs_nodes.choices import MIXING_SPACES
+from flowabs_nodes.finishing.deferred import with_operation
+from flowabs_nodes.finishing.operations import Ink
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
+from flowabs_nodes.nodes.regions import pixelwise
 
 
 def run_composite(
@@ -20,22 +23,16 @@ def run_composite(
     space: str,
 ) -> dict[str, Image]:
     from flowabs_nodes.filters import validate  # what numba compiles is not imported for a declaration
-    from flowabs_nodes.filters.compositing import inked
-    from flowabs_nodes.finishing.deferred import then
-    from flowabs_nodes.finishing.operations import Ink
 
     drawing = validate.plane("lines", lines.pixels[..., 0])
     results = {}
     if "image" in context.wanted or not context.wanted:
-        finished = then(image.deferred, Ink(drawing, ink, opacity))
-        if space != "linear":
+        if space == "linear":
+            results["image"] = with_operation(image, Ink(drawing, ink, opacity))
+        else:
             ink_code = color.encode(np.array([[ink]], np.float32), space=space, colorspace=image.colorspace)[0, 0]
             mixed = filters.composite(image.encoded(space), drawing, ink=tuple(map(float, ink_code)), opacity=opacity)
             results["image"] = image.with_codes(mixed, space)
-        elif finished is not None:  # decoded once, with the ink
-            results["image"] = image.with_deferred(finished)
-        else:
-            results["image"] = image.with_pixels(inked(image.pixels, drawing, (*ink, opacity)))
     if "ink" in context.wanted or not context.wanted:
         k = (1 - drawing) * np.float32(opacity)
         alone = np.empty((*k.shape, 4), np.float32)
@@ -48,6 +45,8 @@ def run_composite(
 COMPOSITE = Node(
     type="composite",
     version=1,
+    label="Composite",
+    category="merge",
     help="Lays lines over a picture in any ink.",
     doc=(
         "With k = (1 - lines) x opacity: rgb (1 - k) + ink A k, alpha as it was. In linear light, highlights eat "
@@ -68,8 +67,10 @@ COMPOSITE = Node(
             "space",
             "linear",
             MIXING_SPACES,
+            label="Mix in",
             help="Where ink and picture mix: in light, or in code values.",
         ),
     ),
     run=run_composite,
+    region=pixelwise("image", "lines"),
 )

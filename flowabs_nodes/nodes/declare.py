@@ -1,4 +1,4 @@
-"""Declares nodes. CLI help, JSON Schema, docs and validation are all made from these few classes.
+"""Declares nodes. CLI help, JSON Schema, docs, panels and validation are all made from these few classes.
 
 A declaration is data: a :class:`Node` holds its :class:`Port` inputs and outputs and its :class:`Param` parameters,
 and names the function that does the work::
@@ -6,6 +6,8 @@ and names the function that does the work::
     LIC = Node(
         type="lic",
         version=1,
+        label="Line integral convolution",
+        category="flow",
         help="Line integral convolution: shows a flow as streaked noise.",
         inputs=(Port("flow", "flow", "The flow to show."),),
         outputs=(Port("image", "mono", "Streaks along the flow, 0 to 1."),),
@@ -29,20 +31,13 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from flowabs_nodes.errors import ArgumentError
-from flowabs_nodes.image import PORT_TYPES, Image, Window
+from flowabs_nodes.choices import readable
+from flowabs_nodes.errors import ArgumentError, nearest
+from flowabs_nodes.image import Image, Window
 from flowabs_nodes.nodes.param import Param
+from flowabs_nodes.port_types import PORT_TYPES, TYPES
 
-__all__ = ["MASK", "MIX", "WIDENS_TO", "Context", "Node", "Param", "Port"]
-
-#: The types that an image of each type may be used as: a matte as a mono, either as a color. Nothing else converts.
-WIDENS_TO: Mapping[str, frozenset[str]] = {
-    "matte": frozenset({"matte", "mono", "color"}),
-    "mono": frozenset({"mono", "color"}),
-    "color": frozenset({"color"}),
-    "flow": frozenset({"flow"}),
-    "data": frozenset({"data"}),
-}
+__all__ = ["MASK", "MIX", "Context", "Node", "Param", "Port"]
 
 
 @dataclass(frozen=True)
@@ -62,7 +57,7 @@ class Port:
     def accepts(self) -> tuple[str, ...]:
         """Return the port types this input takes without widening (all for "any"; none for an output like "=image")."""
         if self.types == "any":
-            return PORT_TYPES
+            return tuple(PORT_TYPES)
         return () if self.types.startswith("=") else tuple(self.types.split("|"))
 
     @property
@@ -74,7 +69,7 @@ class Port:
         """Return the type that an image of ``port_type`` has inside the node, or None if it may not be connected."""
         if port_type in self.accepts:
             return port_type
-        return next((wide for wide in self.accepts if wide in WIDENS_TO[port_type]), None)
+        return next((wide for wide in self.accepts if wide in TYPES[port_type].widens_to), None)
 
 
 @dataclass(frozen=True)
@@ -102,19 +97,29 @@ MIX = Param.float("mix", 1.0, min=0.0, max=1.0, soft=(0, 1), help="How much of t
 class Node:
     """Declares a node.
 
-    ``type`` and ``version`` together are what a graph writes as ``type@version``. ``help`` is one line, ``doc`` what
-    more there is to say. A node whose first output is of the type of its input ``image`` also takes ``mask`` and
+    ``type`` and ``version`` together are what a graph writes as ``type@version``. ``label`` is the name that people
+    see, by default made of ``type``; ``category`` says where a menu lists the node: a word of
+    :data:`flowabs_nodes.choices.CATEGORIES`, or a text of its own. ``help`` is one line, ``doc`` what more there is to
+    say. A node whose first output is of the type of its input ``image`` also takes ``mask`` and
     ``mix``; the engine blends, so ``run`` never sees them. ``extra_inputs`` is the port of all inputs under names that
     the graph makes up (``write``'s layers). ``upgrades`` maps an older version to a function from that version's
     parameters to the next one's.
 
-    ``frames`` returns, for each input that the node reads on other frames too, their offsets from its own frame, such
-    as ``{"image": (-2, -1, 0, 1, 2)}``. ``run`` gets such an input as a dict from offset to Image, in which frames
-    beyond the ends of the sequence are missing and the node's own frame, 0, always is. ``region`` returns, for a window
-    of the outputs, the window of each input that it is made from; an input that is left out is needed whole, and all
-    are where a node has no ``region``.
+    ``frames(params)`` returns, for each input that the node reads on other frames too, their offsets from its own
+    frame, such as ``{"image": (-2, -1, 0, 1, 2)}``: different whole numbers from -64 to 64, 0 among them
+    (:mod:`~flowabs_nodes.nodes.frame_offsets`). ``run`` gets such an input as a dict from offset to Image, in order,
+    all of one type and on one data window. 0 is always there; a frame beyond the ends of the sequence, or one that
+    ``missing: skip`` leaves out, is not.
 
-    Raises ArgumentError where ``type`` is no identifier, or an input and a parameter share a name.
+    ``region`` returns, for a window of the outputs, the window of each input that it is made from; an input that is
+    left out is needed whole, and all are where a node has no ``region``. The parameters are those that ``run`` gets:
+    all of them, lengths scaled. A window may reach beyond the picture, whose edge is then the input's. A node gets its
+    inputs on one data window, hence cut to one that holds all windows returned; the node's result, cut to the window
+    asked for, must have the bits of the whole result. ``mask`` needs no word. :mod:`flowabs_nodes.nodes.regions` makes
+    a ``region`` of a halo.
+
+    Raises ArgumentError where ``type`` is no identifier, an input and a parameter share a name, or an ``enabled_when``
+    is wrong: it takes enums and bools of the same node that are always enabled, and parameters that have a default.
     """
 
     type: str
@@ -125,6 +130,8 @@ class Node:
     params: tuple[Param, ...]
     run: Callable[..., Image | dict[str, Image]]
     doc: str = ""
+    label: str = ""
+    category: str = "utility"
     extra_inputs: Port | None = None
     frames: Callable[[Mapping[str, Any]], Mapping[str, tuple[int, ...]]] | None = field(default=None, hash=False)
     region: Callable[[Mapping[str, Any], Window], Mapping[str, Window]] | None = field(default=None, hash=False)
@@ -134,6 +141,24 @@ class Node:
         names = [port.name for port in self.inputs] + [param.name for param in self.params]
         if not re.fullmatch(r"[a-z][a-z0-9_]*", self.type) or len(set(names)) != len(names):
             raise ArgumentError(f"node {self.type!r}: type and names must be identifiers, each used once")
+        object.__setattr__(self, "label", self.label or readable(self.type))
+        for param in self.params:
+            self._check_condition(param)
+
+    def _check_condition(self, param: Param) -> None:
+        """Raise ArgumentError unless ``param.enabled_when`` names switches of this node and values that they take."""
+        owner = f"node {self.type!r}: enabled_when of {param.name!r}"
+        if param.enabled_when and param.required:
+            raise ArgumentError(f"{owner}: a parameter without a default is always needed")
+        declared = {other.name: other for other in self.params}
+        for name, values in param.enabled_when.items():
+            switch = declared.get(name)
+            if switch is None or switch.kind not in ("enum", "bool") or switch.enabled_when:
+                expected = "an enum or a bool of the node that is always enabled"
+                switches = [each.name for each in self.params if each.kind in ("enum", "bool")]
+                raise ArgumentError(f"{owner}: {name!r} is not {expected}", hint=nearest(name, switches))
+            if not values or any(switch.problem(value) for value in values):
+                raise ArgumentError(f"{owner}: {values!r} is not a tuple of values of {name!r}, {switch.expected}")
 
     @property
     def name(self) -> str:
@@ -177,6 +202,19 @@ class Node:
     def file_param(self) -> Param | None:
         """Return the parameter that names the file of a node that reads or writes one; None for all other nodes."""
         return next((param for param in self.params if param.kind == "file"), None)
+
+    def sections(self) -> dict[str, list[Param]]:
+        """Return every parameter by its section of a panel, ``group``; the sections in order of their first one."""
+        found: dict[str, list[Param]] = {}
+        for param in self.all_params.values():
+            found.setdefault(param.group, []).append(param)
+        return found
+
+    def is_enabled(self, name: str, params: Mapping[str, Any]) -> bool:
+        """Return whether the parameter ``name`` does something beside ``params``; what they lack is at its default."""
+        declared = self.all_params
+        conditions = declared[name].enabled_when.items()
+        return all(params.get(switch, declared[switch].default) in values for switch, values in conditions)
 
     def defaults(self) -> dict[str, Any]:
         """Return the default of every parameter that has one, by name."""

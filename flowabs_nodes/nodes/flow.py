@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 from flowabs_nodes import filters
 from flowabs_nodes.choices import ETF_KERNELS
+from flowabs_nodes.filters import halo
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.common_params import GROUND, SPACE, sampling
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
+from flowabs_nodes.nodes.regions import pixelwise, within
 
 
 def _reference_problem(value: Any) -> str | None:
@@ -46,9 +49,17 @@ def run_etf(
     return image.with_pixels(flow, "flow")
 
 
+def _etf_halo(params: Mapping[str, Any]) -> int | None:
+    if params["fill"] is not None or params["adaptive"] or isinstance(params["gradient_reference"], str):
+        return None
+    return halo.etf(params["radius"], params["iterations"], params["pre_blur"])
+
+
 ETF = Node(
     type="etf",
     version=1,
+    label="Edge tangent flow",
+    category="flow",
     help="Edge tangent flow: a smooth field of directions along the picture's edges.",
     doc=(
         "Section 2 of the paper, eqs. 1-5. Each tangent becomes the mean of those around it, weighted towards strong "
@@ -65,15 +76,23 @@ ETF = Node(
             max=500,
             soft=(2, 15),
             unit="px",
+            group="Kernel",
             help="Radius of the kernel (mu, eq. 2): larger is smoother.",
         ),
         Param.int(
-            "iterations", 3, min=0, max=100, soft=(1, 5), help="How many times the field is smoothed (section 2.3)."
+            "iterations",
+            3,
+            min=0,
+            max=100,
+            soft=(1, 5),
+            group="Kernel",
+            help="How many times the field is smoothed (section 2.3).",
         ),
         Param.enum(
             "kernel",
             "full",
             ETF_KERNELS,
+            group="Kernel",
             help="The exact disc, or a pass along x and one along y in each iteration (section 2.4).",
         ),
         Param.float(
@@ -83,6 +102,8 @@ ETF = Node(
             max=200,
             soft=(0, 4),
             unit="px",
+            label="Blur before",
+            group="Gradient",
             help="Gaussian blur of the picture before its gradient: against noise, and to join isolated points.",
         ),
         Param.custom(
@@ -98,6 +119,7 @@ ETF = Node(
             parse=_reference_problem,
             scales=-1,
             unit="code values/px",
+            group="Gradient",
             help='Gradient that counts as full strength: "max" of the frame, a percentile such as "p99.5", '
             "or a number, the same on every frame of a shot.",
         ),
@@ -109,21 +131,29 @@ ETF = Node(
             soft=(0, 8),
             unit="code values/px",
             nullable=True,
+            label="Fill below",
+            group="Gradient",
             help="Where the gradient is weaker than this, the direction leans on its surroundings; "
             "0 fills just what has no gradient at all, null leaves holes (the paper to the letter).",
         ),
         Param.bool(
             "adaptive",
             False,
+            group="Kernel",
             help="A smaller kernel where texture is smaller than it: small shapes survive a large radius (section 6).",
         ),
         Param.bool(
-            "color", False, help="Follow edges of lightness and colour together; false is lightness alone (the paper)."
+            "color",
+            False,
+            label="Follow colour",
+            group="Gradient",
+            help="Follow edges of lightness and colour together; false is lightness alone (the paper).",
         ),
         GROUND,
         SPACE,
     ),
     run=run_etf,
+    region=within(_etf_halo, "image"),
 )
 
 
@@ -134,6 +164,8 @@ def run_lic(context: Context, flow: Image, *, length: float, seed: int, contrast
 LIC = Node(
     type="lic",
     version=1,
+    label="Line integral convolution",
+    category="flow",
     help="Line integral convolution: shows a flow as streaks of noise.",
     doc="How the paper shows its flows (Fig. 3): white noise, averaged over round(length / 2) steps along it each way.",
     inputs=(Port("flow", "flow", "The flow to show."),),
@@ -156,12 +188,15 @@ def run_flow_color(context: Context, flow: Image) -> Image:
 FLOW_COLOR = Node(
     type="flow_color",
     version=1,
+    label="Flow as colour",
+    category="flow",
     help="Shows a flow's orientation as colour.",
     doc="As in the paper's Fig. 5: each orientation has its own RGB, 0 to 1; opposite tangents look the same.",
     inputs=(Port("flow", "flow", "The flow to show."),),
     outputs=(Port("image", "color", "Orientation as RGB; grey where the flow is zero."),),
     params=(),
     run=run_flow_color,
+    region=pixelwise("flow"),
 )
 
 
@@ -169,9 +204,15 @@ def run_flow_blur(context: Context, image: Image, flow: Image, *, sigma: float, 
     return image.with_pixels(filters.flow_blur(image.pixels, flow.pixels, sigma=sigma, sampling=sampling))
 
 
+def _flow_blur_halo(params: Mapping[str, Any]) -> int:
+    return halo.flow_blur(params["sigma"])
+
+
 FLOW_BLUR = Node(
     type="flow_blur",
     version=1,
+    label="Blur along the flow",
+    category="flow",
     help="Gaussian blur along the flow: smooths edges lengthwise and leaves them sharp across.",
     doc="On lines it is anti-aliasing along the stroke. Works on premultiplied RGBA.",
     inputs=(
@@ -180,8 +221,18 @@ FLOW_BLUR = Node(
     ),
     outputs=(Port("image", "=image", "The blurred image."),),
     params=(
-        Param.float("sigma", 2.0, min=0, max=500, soft=(0, 10), unit="px", help="Standard deviation along the flow."),
+        Param.float(
+            "sigma",
+            2.0,
+            min=0,
+            max=500,
+            soft=(0, 10),
+            unit="px",
+            label="Sigma along the flow",
+            help="Standard deviation along the flow.",
+        ),
         sampling("bilinear"),
     ),
     run=run_flow_blur,
+    region=within(_flow_blur_halo, "image", "flow"),
 )

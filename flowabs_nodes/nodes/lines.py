@@ -5,7 +5,7 @@ Each draws in one of two forms: the paper's eqs. 8 and 9, or XDoG's.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
@@ -13,10 +13,12 @@ import numpy as np
 
 from flowabs_nodes import filters
 from flowabs_nodes.array_types import Array
-from flowabs_nodes.choices import FDOG_KERNELS, FORMS
+from flowabs_nodes.filters import halo
 from flowabs_nodes.image import Image
-from flowabs_nodes.nodes.common_params import GROUND, SPACE, sampling
+from flowabs_nodes.nodes.common_params import GROUND, SPACE
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
+from flowabs_nodes.nodes.line_params import ALONG_FLOW, DIFFERENCE, FORM, SIGMA_M, THRESHOLD, XDOG
+from flowabs_nodes.nodes.regions import within
 
 IMAGE = Port("image", "color", "The picture to draw.")
 FLOW = Port("flow", "flow", "The flow that lines follow.")
@@ -25,139 +27,6 @@ RESPONSE = Port(
     "response",
     "mono",
     "The response before the threshold in code values, low where ink is: H, or in form xdog D, the sharpened picture.",
-)
-
-FORM = Param.enum(
-    "form",
-    "paper",
-    FORMS,
-    help="Which lines: the paper's, by rho, tau, contrast and softness, or XDoG's, which fade into tone, by p, epsilon "
-    "and phi.",
-)
-
-#: The difference of Gaussians, eq. 8.
-DIFFERENCE = (
-    Param.float(
-        "sigma_c",
-        1.0,
-        min=0.05,
-        max=200,
-        soft=(0.3, 4),
-        unit="px",
-        thin_below=1.0,
-        help="Centre Gaussian: sets the width of the line.",
-    ),
-    Param.float(
-        "rho",
-        0.99,
-        min=0,
-        max=2,
-        soft=(0.9, 1),
-        help="Weight of the surround: more lines, and more noise, the nearer to 1. Form paper.",
-    ),
-)
-
-#: From response to lines, eq. 9.
-THRESHOLD = (
-    Param.float(
-        "tau",
-        0.5,
-        min=0,
-        max=1,
-        soft=(0, 1),
-        help="Threshold of eq. 9: higher draws more, 0 nothing. Form paper, and not used when contrast is set.",
-    ),
-    Param.float(
-        "contrast",
-        None,
-        min=0,
-        max=1000,
-        soft=(0, 10),
-        unit="code values",
-        nullable=True,
-        help="Ink where the response is below minus this; higher draws less. null: from tau, -atanh(tau - 1). "
-        "Form paper.",
-    ),
-    Param.float(
-        "softness",
-        0.0,
-        min=0,
-        max=1000,
-        soft=(0, 10),
-        unit="code values",
-        help="Width of the ramp from ink to paper: anti-aliased, steadier in motion. 0 is black and white (the paper). "
-        "Form paper.",
-    ),
-)
-
-#: XDoG's form of both.
-XDOG = (
-    Param.float(
-        "p",
-        20.0,
-        min=0,
-        max=1000,
-        soft=(0, 100),
-        help="Form xdog: strength of the edges; 0 is tone alone. Takes rho's place, as p / (1 + p).",
-    ),
-    Param.float(
-        "epsilon",
-        0.0,
-        min=-10_000,
-        max=10_000,
-        soft=(0, 255),
-        unit="code values",
-        help="Form xdog: tone below this level darkens; 0 draws edges alone, 255 fills all but their bright sides.",
-    ),
-    Param.float(
-        "phi",
-        0.01,
-        min=0,
-        max=1000,
-        soft=(0, 1),
-        unit="per code value",
-        help="Form xdog: steepness of the way to black; low is soft like pastel, high is black ink.",
-    ),
-)
-
-#: What FDoG takes beside the parameters above.
-ALONG_FLOW = (
-    Param.float(
-        "color_weight",
-        0.0,
-        min=0,
-        max=10,
-        soft=(0, 1),
-        help="How much differences of colour add to those of lightness; 0 is lightness alone (the paper). Form paper.",
-    ),
-    Param.float(
-        "smooth",
-        0.0,
-        min=0,
-        max=200,
-        soft=(0, 4),
-        unit="px",
-        help="Gaussian blur of the lines along the flow: anti-aliasing lengthwise.",
-    ),
-    Param.enum(
-        "kernel",
-        "separable",
-        FDOG_KERNELS,
-        help="Eqs. 10 and 11 (fast), or eq. 6 sampled point by point.",
-    ),
-    sampling("bilinear"),
-    GROUND,
-    SPACE,
-)
-
-SIGMA_M = Param.float(
-    "sigma_m",
-    3.0,
-    min=0,
-    max=500,
-    soft=(1, 10),
-    unit="px",
-    help="Gaussian along the flow: longer, more coherent lines.",
 )
 
 
@@ -210,15 +79,22 @@ def run_dog(context: Context, image: Image, *, ground: float, space: str, **dog:
     return outputs(image, *draw(partial(filters.dog, code), **dog))
 
 
+def _dog_halo(params: Mapping[str, Any]) -> int:
+    return halo.dog(params["sigma_c"])
+
+
 DOG = Node(
     type="dog",
     version=1,
+    label="DoG lines",
+    category="compare",
     help="Lines by isotropic difference of Gaussians: what FDoG is compared with.",
     doc="Winnemoeller's edge model [38], which follows no flow. Response: eq. 8 in two dimensions; lines: eq. 9.",
     inputs=(IMAGE,),
     outputs=(LINES, RESPONSE),
     params=(FORM, *DIFFERENCE, *THRESHOLD, *XDOG, GROUND, SPACE),
     run=run_dog,
+    region=within(_dog_halo, "image"),
 )
 
 
@@ -239,9 +115,15 @@ def run_fdog(
     return outputs(image, smoothed(lines, flow, smooth, fdog["sampling"]), response)
 
 
+def _fdog_halo(params: Mapping[str, Any]) -> int:
+    return halo.fdog(params["sigma_m"], params["sigma_c"]) + halo.flow_blur(params["smooth"])
+
+
 FDOG = Node(
     type="fdog",
     version=1,
+    label="FDoG lines",
+    category="lines",
     help="Lines by flow-based difference of Gaussians.",
     doc=(
         "Section 3.1, eqs. 6-11: a difference of Gaussians across the flow, gathered along it, so that true edges add "
@@ -251,6 +133,7 @@ FDOG = Node(
     outputs=(LINES, RESPONSE),
     params=(FORM, SIGMA_M, *DIFFERENCE, *THRESHOLD, *XDOG, *ALONG_FLOW),
     run=run_fdog,
+    region=within(_fdog_halo, "image", "flow"),
 )
 
 
@@ -271,9 +154,16 @@ def run_fdog_iterative(
     return outputs(image, smoothed(lines, flow, smooth, fdog_iterative["sampling"]), response)
 
 
+def _fdog_iterative_halo(params: Mapping[str, Any]) -> int:
+    passes = halo.fdog_iterative(params["sigma_m"], params["sigma_c"], params["iterations"], params["pre_blur"])
+    return passes + halo.flow_blur(params["smooth"])
+
+
 FDOG_ITERATIVE = Node(
     type="fdog_iterative",
     version=1,
+    label="FDoG lines, iterative",
+    category="lines",
     help="FDoG in several passes, each drawn over the picture for the next: harder, longer, more connected lines.",
     doc=(
         "Section 3.2: the ink of the last pass is laid over the original, the flow stays, and FDoG runs again. "
@@ -283,7 +173,9 @@ FDOG_ITERATIVE = Node(
     outputs=(LINES, RESPONSE),
     params=(
         FORM,
-        Param.int("iterations", 3, min=1, max=100, soft=(1, 5), help="How many passes."),
+        Param.int(
+            "iterations", 3, min=1, max=100, soft=(1, 5), label="Passes", group="Passes", help="How many passes."
+        ),
         Param.float(
             "pre_blur",
             0.0,
@@ -291,6 +183,8 @@ FDOG_ITERATIVE = Node(
             max=200,
             soft=(0, 3),
             unit="px",
+            label="Blur before",
+            group="Passes",
             help="Gaussian blur of the picture before each pass.",
         ),
         SIGMA_M,
@@ -300,4 +194,5 @@ FDOG_ITERATIVE = Node(
         *ALONG_FLOW,
     ),
     run=run_fdog_iterative,
+    region=within(_fdog_iterative_halo, "image", "flow"),
 )

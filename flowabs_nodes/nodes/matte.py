@@ -9,6 +9,7 @@ from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ArgumentError, nearest
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
+from flowabs_nodes.nodes.regions import pixelwise
 
 LUMINANCE = "luminance"
 
@@ -40,12 +41,14 @@ def run_matte(context: Context, image: Image, *, channel: str, low: float, high:
 MATTE = Node(
     type="matte",
     version=1,
+    label="Matte of a channel",
+    category="utility",
     help="Makes a matte of one channel: alpha, luminance, depth, or any other.",
     doc=(
         "What a roto shape, a render's alpha or a depth pass needs to serve as the mask of another node. low becomes 0 "
         "and high becomes 1, with a ramp between; low above high turns it inside out."
     ),
-    inputs=(Port("image", "color|mono|matte|data", "What to take the channel from."),),
+    inputs=(Port("image", "color|mono|matte|data|depth|normal|motion|id", "What to take the channel from."),),
     outputs=(Port("matte", "matte", "The channel, 0 to 1."),),
     params=(
         Param.string(
@@ -54,8 +57,9 @@ MATTE = Node(
             examples=("A", "R", LUMINANCE, "Z"),
             help='Name of the channel, or "luminance"; "" is the alpha of a picture that has one, else its luminance.',
         ),
-        Param.float("low", 0.0, min=-1e30, max=1e30, soft=(0, 1), help="Value that becomes 0."),
-        Param.float("high", 1.0, min=-1e30, max=1e30, soft=(0, 1), help="Value that becomes 1."),
+        Param.float("low", 0.0, min=-1e30, max=1e30, soft=(0, 1), label="Black at", help="Value that becomes 0."),
+        Param.float("high", 1.0, min=-1e30, max=1e30, soft=(0, 1), label="White at", help="Value that becomes 1."),
     ),
     run=run_matte,
+    region=pixelwise("image"),
 )

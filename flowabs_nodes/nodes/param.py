@@ -1,4 +1,7 @@
-"""Declares a parameter of a node: its type, default, range, unit and help; and judges values, here alone."""
+"""Declares a parameter of a node, for the code and for panels; and judges values, here alone.
+
+For the code: type, default, range and unit. For panels: label, help, section, and when the parameter does something.
+"""
 
 from __future__ import annotations
 
@@ -6,8 +9,9 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, Literal, TypedDict, Unpack
 
+from flowabs_nodes.choices import Choices, readable
 from flowabs_nodes.errors import ArgumentError, nearest
 
 Kind = Literal["float", "int", "bool", "enum", "string", "color", "file", "custom"]
@@ -18,6 +22,15 @@ Whole = int
 Flag = bool
 
 
+class Panel(TypedDict, total=False):
+    """What a panel has to know about a parameter of any kind; :class:`Param` says what each is."""
+
+    label: str
+    group: str
+    enabled_when: Mapping[str, tuple[Any, ...]]
+    animatable: bool
+
+
 @dataclass(frozen=True)
 class Param:
     """Declares a parameter: type, default, hard range (an error beyond), soft range (what a slider shows), unit, help.
@@ -25,6 +38,11 @@ class Param:
     Use the constructors :meth:`float`, :meth:`int`, :meth:`bool`, :meth:`enum`, :meth:`string`, :meth:`color`,
     :meth:`file` and :meth:`custom`. ``required`` parameters have no default. ``scales`` is +1 for pixel lengths, which
     grow with the plate where a graph has a ``reference_height``, -1 for quantities per pixel, which shrink, 0 else.
+
+    ``label`` is the name that people see, by default made of ``name``; ``group`` the section of a panel that the
+    parameter is in. ``enabled_when`` maps other parameters of the node, each an enum or a bool, to the values beside
+    which this one does something, such as ``{"form": ("paper",)}``; beside all others it is ignored. ``animatable``
+    says whether a graph may give it a curve: numbers do unless they say no, all other kinds do not.
     """
 
     name: str
@@ -45,6 +63,14 @@ class Param:
     schema: Mapping[str, Any] = field(default_factory=dict, hash=False)  # custom: its JSON Schema
     parse: Callable[[Any], str | None] | None = None  # custom: what is wrong with a value, or None
     thin_below: Number | None = None  # scaled to less pixels than this, what is drawn depends on the picture's size
+    label: str = ""
+    group: str = ""
+    enabled_when: Mapping[str, tuple[Any, ...]] = field(default_factory=dict, hash=False)
+    animatable: Flag = True
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "label", self.label or readable(self.name))
+        object.__setattr__(self, "animatable", self.animatable and self.numeric)
 
     @staticmethod
     def float(
@@ -59,6 +85,7 @@ class Param:
         nullable: Flag = False,
         thin_below: Number | None = None,
         help: str,
+        **panel: Unpack[Panel],
     ) -> Param:
         """Declare a number. Unit "px" makes it a length, which grows with the plate; with a unit "…/px" it shrinks."""
         return Param(
@@ -74,6 +101,7 @@ class Param:
             nullable=nullable,
             scales=1 if unit == "px" else -1 if unit.endswith("/px") else 0,
             thin_below=thin_below,
+            **panel,
         )
 
     @staticmethod
@@ -86,34 +114,47 @@ class Param:
         soft: tuple[Number, Number] | None = None,
         unit: str = "",
         help: str,
+        **panel: Unpack[Panel],
     ) -> Param:
         """Declare a whole number."""
-        return Param(name, "int", default, help, min=min, max=max, soft=soft, unit=unit)
+        return Param(name, "int", default, help, min=min, max=max, soft=soft, unit=unit, **panel)
 
     @staticmethod
-    def bool(name: str, default: Flag, *, help: str) -> Param:
+    def bool(name: str, default: Flag, *, help: str, **panel: Unpack[Panel]) -> Param:
         """Declare a switch."""
-        return Param(name, "bool", default, help)
+        return Param(name, "bool", default, help, **panel)
 
     @staticmethod
-    def enum(name: str, default: str, choices: tuple[str, ...], *, help: str, in_key: Flag = True) -> Param:
-        """Declare one of a few words; a list of flowabs' own stands in :mod:`flowabs_nodes.choices`."""
-        return Param(name, "enum", default, help, choices=choices, in_key=in_key)
+    def enum(
+        name: str,
+        default: str,
+        choices: tuple[str, ...],
+        *,
+        help: str,
+        in_key: Flag = True,
+        **panel: Unpack[Panel],
+    ) -> Param:
+        """Declare one of a few words; a list of flowabs' own stands in :mod:`flowabs_nodes.choices`.
+
+        ``choices`` may be a :class:`~flowabs_nodes.choices.Choices`, which also holds their labels and meanings.
+        """
+        return Param(name, "enum", default, help, choices=choices, in_key=in_key, **panel)
 
     @staticmethod
-    def string(name: str, default: str, *, examples: tuple[str, ...] = (), help: str) -> Param:
+    def string(name: str, default: str, *, examples: tuple[str, ...] = (), help: str, **panel: Unpack[Panel]) -> Param:
         """Declare a free text; ``examples`` of it are for editors, and for tests."""
-        return Param(name, "string", default, help, schema={"examples": list(examples)} if examples else {})
+        schema = {"examples": list(examples)} if examples else {}
+        return Param(name, "string", default, help, schema=schema, **panel)
 
     @staticmethod
-    def color(name: str, default: tuple[Number, Number, Number], *, help: str) -> Param:
+    def color(name: str, default: tuple[Number, Number, Number], *, help: str, **panel: Unpack[Panel]) -> Param:
         """Declare a colour: three scene-linear numbers, red, green, blue."""
-        return Param(name, "color", default, help)
+        return Param(name, "color", default, help, **panel)
 
     @staticmethod
-    def file(name: str, *, role: Literal["input", "output"], help: str) -> Param:
+    def file(name: str, *, role: Literal["input", "output"], help: str, **panel: Unpack[Panel]) -> Param:
         """Declare a path or sequence pattern; required, but a run may set it from outside."""
-        return Param(name, "file", None, help, required=True, role=role, in_key=role == "input")
+        return Param(name, "file", None, help, required=True, role=role, in_key=role == "input", **panel)
 
     @staticmethod
     def custom(
@@ -126,14 +167,37 @@ class Param:
         in_key: Flag = True,
         unit: str = "",
         help: str,
+        **panel: Unpack[Panel],
     ) -> Param:
         """Declare a value of its own shape: ``schema`` is its JSON Schema, ``parse`` returns what is wrong, or None."""
-        return Param(name, "custom", default, help, unit=unit, scales=scales, in_key=in_key, schema=schema, parse=parse)
+        return Param(
+            name,
+            "custom",
+            default,
+            help,
+            unit=unit,
+            scales=scales,
+            in_key=in_key,
+            schema=schema,
+            parse=parse,
+            **panel,
+        )
 
     @property
     def numeric(self) -> Flag:
-        """Return True for a parameter that a curve or a map may drive."""
+        """Return True for a number, which a map may drive, and a curve where it is ``animatable``."""
         return self.kind in ("float", "int")
+
+    @property
+    def choice_labels(self) -> dict[str, str]:
+        """Return the label of each choice, by default made of its word."""
+        known = self.choices.label if isinstance(self.choices, Choices) else {}
+        return {word: known.get(word, readable(word)) for word in self.choices}
+
+    @property
+    def choice_meanings(self) -> Mapping[str, str]:
+        """Return what each choice does, in a line; nothing where the declaration does not say."""
+        return self.choices.meaning if isinstance(self.choices, Choices) else {}
 
     def problem(self, value: Any) -> tuple[str, str] | None:
         """Return None if ``value`` is good, else a code and what was expected.

@@ -15,12 +15,15 @@ MISSING_PARAM = Param.enum(
     MISSING,
     # What is read instead of a missing frame is in the key by its content.
     in_key=False,
+    label="Missing frames",
+    group="Sequence",
     help="A frame that is not there: an error, the last one before it, the nearest, black, or no frame at all.",
 )
 
 
-def _layer(help: str) -> Param:
-    return Param.string("layer", "", help=help)
+def layer_param(help: str) -> Param:
+    """Return the parameter that names a layer of a file."""
+    return Param.string("layer", "", group="Layer", help=help)
 
 
 def _part_problem(value: Any) -> str | None:
@@ -29,12 +32,13 @@ def _part_problem(value: Any) -> str | None:
     return "the name of a part, or its number from 0"
 
 
-def _part(help: str) -> Param:
+def part_param(help: str) -> Param:
+    """Return the parameter that names a part of a file."""
     schema = {
         "description": "the name of a part, or its number from 0",
         "anyOf": [{"type": "string"}, {"type": "integer", "minimum": 0}],
     }
-    return Param.custom("part", "", schema=schema, parse=_part_problem, help=help)
+    return Param.custom("part", "", schema=schema, parse=_part_problem, group="Layer", help=help)
 
 
 def run_read(
@@ -66,25 +70,37 @@ def run_read(
 READ = Node(
     type="read",
     version=1,
+    label="Read",
+    category="io",
     help=f"A plate from {formats.listed(formats.ALL)}: scene-linear, premultiplied colour.",
     inputs=(),
     outputs=(Port("image", "color", "R, G, B and, where the file has it, A; a grey plate is colour with R = G = B."),),
     params=(
         Param.file("file", role="input", help="File or sequence: plate.exr, plate.####.exr, plate.%04d.exr."),
-        _layer('Layer to read: "" is the plain R, G, B, A.'),
-        _part('Part of a multi-part EXR, by name or number: "" is the first with R, G, B.'),
+        layer_param('Layer to read: "" is the plain R, G, B, A.'),
+        part_param('Part of a multi-part EXR, by name or number: "" is the first with R, G, B.'),
         Param.string(
             "colorspace",
             "auto",
+            label="Colour space",
+            group="Pixels",
             help="Colour space of the file: any OCIO name. auto: its tag, chromaticities, or lin_rec709.",
         ),
         Param.enum(
             "alpha",
             "auto",
             ALPHAS,
+            group="Pixels",
             help="What alpha means. auto: premultiplied (PNG: straight), and opaque where it is 0 in every pixel.",
         ),
-        Param.enum("nonfinite", "repair", NONFINITE, help="NaN and Inf: repaired from their neighbours, or an error."),
+        Param.enum(
+            "nonfinite",
+            "repair",
+            NONFINITE,
+            label="NaN and Inf",
+            group="Pixels",
+            help="NaN and Inf: repaired from their neighbours, or an error.",
+        ),
         MISSING_PARAM,
     ),
     run=run_read,
@@ -109,15 +125,21 @@ def run_read_aov(context: Context, *, file: str, layer: str, part: str | int, mi
 READ_AOV = Node(
     type="read_aov",
     version=1,
-    help="An AOV such as depth, normals or ids: numbers as they are in the file, never colour-converted or clamped.",
+    label="Read AOV",
+    category="io",
+    help="Any AOV: numbers as they are in the file, never colour-converted or clamped.",
     inputs=(),
     outputs=(Port("data", "data", "The layer's channels, under their own names."),),
     params=(
         Param.file("file", role="input", help="File or sequence: render.exr, render.####.exr."),
-        _layer('Layer, or one channel such as Z or N.X: "" is every channel of the part.'),
-        _part('Part of a multi-part EXR, by name or number: "" is the first that has the layer.'),
+        layer_param('Layer, or one channel such as Z or N.X: "" is every channel of the part.'),
+        part_param('Part of a multi-part EXR, by name or number: "" is the first that has the layer.'),
         MISSING_PARAM,
     ),
     run=run_read_aov,
-    doc="Whole numbers keep their value up to 16777216, the largest that float32 holds exactly with all below it.",
+    doc=(
+        "Whole numbers keep their value up to 16777216, the largest that float32 holds exactly with all below it. "
+        "Depth, normals, motion and ids have nodes of their own, `read_depth` and so on, which know their names and "
+        "their background."
+    ),
 )

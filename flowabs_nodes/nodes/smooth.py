@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 from flowabs_nodes import filters
+from flowabs_nodes.filters import halo
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.common_params import SPACE, sampling
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
+from flowabs_nodes.nodes.regions import within
 
 
 def run_fbl(
@@ -36,9 +41,15 @@ def run_fbl(
     return image.with_codes(codes, space)
 
 
+def _fbl_halo(params: Mapping[str, Any]) -> int:
+    return halo.fbl(params["sigma_e"], params["sigma_g"], params["iterations"])
+
+
 FBL = Node(
     type="fbl",
     version=1,
+    label="Flow-based bilateral",
+    category="regions",
     help="Flow-based bilateral filter: flattens regions and cleans up the edges between them.",
     doc=(
         "Section 4.1, eqs. 12-14: in each iteration a bilateral filter along the flow, then one across it. Along the "
@@ -51,7 +62,15 @@ FBL = Node(
     outputs=(Port("image", "color", "The smoothed picture."),),
     params=(
         Param.float(
-            "sigma_e", 2.0, min=0, max=200, soft=(0, 10), unit="px", help="Gaussian along the flow; 0 leaves it out."
+            "sigma_e",
+            2.0,
+            min=0,
+            max=200,
+            soft=(0, 10),
+            unit="px",
+            label="Sigma along",
+            group="Along the flow",
+            help="Gaussian along the flow; 0 leaves it out.",
         ),
         Param.float(
             "r_e",
@@ -61,10 +80,20 @@ FBL = Node(
             above=True,
             soft=(1, 100),
             unit="code values",
+            label="Colour range along",
+            group="Along the flow",
             help="Difference of colour that still counts as alike along the flow: higher loses more small edges.",
         ),
         Param.float(
-            "sigma_g", 0.5, min=0, max=200, soft=(0, 5), unit="px", help="Gaussian across the flow; 0 leaves it out."
+            "sigma_g",
+            0.5,
+            min=0,
+            max=200,
+            soft=(0, 5),
+            unit="px",
+            label="Sigma across",
+            group="Across the flow",
+            help="Gaussian across the flow; 0 leaves it out.",
         ),
         Param.float(
             "r_g",
@@ -74,6 +103,8 @@ FBL = Node(
             above=True,
             soft=(1, 100),
             unit="code values",
+            label="Colour range across",
+            group="Across the flow",
             help="Difference of colour that still counts as alike across the flow.",
         ),
         Param.int("iterations", 5, min=0, max=100, soft=(1, 10), help="How many times both passes run."),
@@ -81,6 +112,7 @@ FBL = Node(
         SPACE,
     ),
     run=run_fbl,
+    region=within(_fbl_halo, "image", "flow"),
 )
 
 
@@ -88,9 +120,15 @@ def run_blur(context: Context, image: Image, *, sigma: float) -> Image:
     return image.with_pixels(filters.blur(image.pixels, sigma=sigma))
 
 
+def _blur_halo(params: Mapping[str, Any]) -> int:
+    return halo.blur(params["sigma"])
+
+
 BLUR = Node(
     type="blur",
     version=1,
+    label="Blur",
+    category="utility",
     help="Gaussian blur.",
     doc="Works on premultiplied RGBA; the border is repeated.",
     inputs=(Port("image", "color|mono|matte", "What to blur."),),
@@ -101,4 +139,5 @@ BLUR = Node(
         ),
     ),
     run=run_blur,
+    region=within(_blur_halo, "image"),
 )

@@ -4,19 +4,28 @@ from __future__ import annotations
 
 import numpy as np
 
+from flowabs_nodes.array_types import Array
+from flowabs_nodes.finishing.deferred import with_operation
+from flowabs_nodes.finishing.operations import Quantize
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
+from flowabs_nodes.nodes.regions import pixelwise
 
 
 def run_exposure(context: Context, image: Image, *, stops: float) -> Image:
-    pixels = image.pixels.copy()
-    pixels[..., :3] *= np.float32(2.0**stops)
-    return image.with_pixels(pixels)
+    gain = np.float32(2.0**stops)
+
+    def brighten(rows: Array, first_row: int) -> None:
+        rows[..., :3] *= gain
+
+    return with_operation(image, brighten, context.node)
 
 
 EXPOSURE = Node(
     type="exposure",
     version=1,
+    label="Exposure",
+    category="tone",
     help="Brightens or darkens by stops, in scene-linear light.",
     inputs=(Port("image", "color", "The picture."),),
     outputs=(Port("image", "color", "The picture times 2^stops; alpha as it was."),),
@@ -26,24 +35,19 @@ EXPOSURE = Node(
         ),
     ),
     run=run_exposure,
+    region=pixelwise("image"),
 )
 
 
 def run_quantize(context: Context, image: Image, *, levels: int, softness: float) -> Image:
-    # What numba compiles is not imported for a declaration.
-    from flowabs_nodes.finishing.deferred import then
-    from flowabs_nodes.finishing.fused import quantized
-    from flowabs_nodes.finishing.operations import Quantize
-
-    finished = then(image.deferred, Quantize(levels, softness))
-    if finished is not None:  # nobody needs the picture that is not flat
-        return image.with_deferred(finished)
-    return image.with_pixels(quantized(image.pixels, levels, softness, image.colorspace))
+    return with_operation(image, Quantize(levels, softness))
 
 
 QUANTIZE = Node(
     type="quantize",
     version=1,
+    label="Quantize lightness",
+    category="tone",
     help="Flattens lightness to a few levels, like poster paint.",
     doc=(
         "The paper's region flattening (section 4.1): L* falls into bins of equal size. A gain on scene-linear RGB, "
@@ -66,4 +70,5 @@ QUANTIZE = Node(
         ),
     ),
     run=run_quantize,
+    region=pixelwise("image"),
 )

@@ -58,6 +58,8 @@ def run_write(
 WRITE = Node(
     type="write",
     version=1,
+    label="Write",
+    category="io",
     help=f"Writes a frame as {formats.listed(formats.WRITABLE)}: whole, or not at all.",
     inputs=(Port("image", "any", "The picture. A mono or matte is written as R = G = B."),),
     outputs=(),
@@ -70,22 +72,27 @@ WRITE = Node(
             "data_type",
             "auto",
             DATA_TYPES,
+            group="Encoding",
             help="auto: the plate's, else half; flow layers float. PNG: uint8, or uint16 as the plate. TIFF: uint16.",
         ),
         Param.enum(
             "compression",
             "auto",
             COMPRESSIONS,
+            group="Encoding",
             help="Of an EXR. auto: the plate's if it is lossless, else zip.",
         ),
         Param.string(
             "keep_layers",
             "",
+            group="Header",
             help='The plate\'s other layers to keep, bit for bit: "" none, "*" all, or names with commas.',
         ),
         Param.string(
             "colorspace",
             "plate",
+            label="Colour space",
+            group="Encoding",
             help="plate: the plate's own (EXR), sRGB for photographs, PNG and TIFF; or any OCIO name.",
         ),
         Param.custom(
@@ -97,14 +104,17 @@ WRITE = Node(
                 "additionalProperties": {"type": ["string", "number"]},
             },
             parse=_metadata_problem,
+            group="Header",
             help="Attributes to set, by name: texts or numbers.",
         ),
     ),
     run=run_write,
     doc=(
         "Everything that the plate's header says stays, windows, timecode and chromaticities included. Further inputs "
-        "become layers: `n` is written as n.R, n.G, n.B[, n.A] (color), n.Y (mono, matte), n.x, n.y (flow) or "
-        "n.<last part of its name> (data). PNG and TIFF hold the image alone, on the display window, encoded for the "
-        "screen. Compressions dwaa, dwab, b44 and b44a change the picture each time it is saved."
+        "become layers: `n` is written as n.R, n.G, n.B[, n.A] (color), n.Y (mono, matte), n.x, n.y (flow), n.Z "
+        "(depth), n.X, n.Y, n.Z (normal), n.X, n.Y, n.Z, n.W (motion), n.id (id) or n.<last part of its name> (data). "
+        "Depth, normals and motion are always 32-bit floats and ids 32-bit whole numbers, bit for bit, whatever "
+        "data_type says. PNG and TIFF hold the image alone, on the display window, encoded for the screen. "
+        "Compressions dwaa, dwab, b44 and b44a change the picture each time it is saved."
     ),
 )

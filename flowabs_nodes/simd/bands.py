@@ -17,6 +17,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from flowabs_nodes.simd.read_only import for_kernel
+
 _BANDS = 8  # bands for each thread, so that a thread that is done early takes another
 
 _limit: ContextVar[int | None] = ContextVar("flowabs_threads", default=None)
@@ -89,7 +91,8 @@ def over_rows(kernel: Callable[..., Any], height: int, *arguments: Any, least: i
     height
         The number of rows.
     arguments
-        Further arguments of the kernel.
+        Further arguments of the kernel. In place of a read-only array the kernel gets a writable view of it
+        (:mod:`~flowabs_nodes.simd.read_only`).
     least
         How many rows a band has at least, unless the picture has fewer.
 
@@ -102,6 +105,7 @@ def over_rows(kernel: Callable[..., Any], height: int, *arguments: Any, least: i
     bands = 1 if threads == 1 else max(1, min(_BANDS * threads, height // least))
     edges = [height * band // bands for band in range(bands + 1)]
     results: list[Any] = [None] * bands
+    arguments = tuple(map(for_kernel, arguments))
     waiting = iter(range(bands))  # the interpreter advances it in one step: no two threads take the same band
 
     def work() -> None:

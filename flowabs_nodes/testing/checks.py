@@ -8,15 +8,16 @@ from functools import partial
 
 import numpy as np
 
-from flowabs_nodes.array_types import Array
-from flowabs_nodes.choices import SPACES
 from flowabs_nodes.engine.call_node import call_node, call_sink
 from flowabs_nodes.engine.error_boundary import InternalError
 from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.image import PORT_TYPES, Image
+from flowabs_nodes.io.output_image import build_picture
 from flowabs_nodes.io.settings import Settings
+from flowabs_nodes.io.write import save
 from flowabs_nodes.nodes.declare import MASK, Context, Node
 from flowabs_nodes.nodes.param import Param
+from flowabs_nodes.port_types import pixel_type
 from flowabs_nodes.simd import bands
 from flowabs_nodes.testing.pictures import SCENES, make_input
 from flowabs_nodes.testing.running import ComplianceError, equal, finite, inputs_of, require, run_node
@@ -32,6 +33,12 @@ def is_documented(node: Node) -> None:
         *(("parameter", param.name, param.help) for param in node.params),
     ):
         require(len(text.split()) >= 1 and text.strip() == text, f"{kind} {name} needs a help text")
+    for kind, name, text in (
+        ("label of the node", node.name, node.label),
+        ("category of the node", node.name, node.category),
+        *(("label of the parameter", param.name, param.label) for param in node.params),
+    ):
+        require(len(text.split()) >= 1 and text.strip() == text, f"{kind} {name} must be a text")
     for param in node.params:
         if not param.required:
             param.check(param.default)
@@ -86,23 +93,16 @@ def keeps_windows_and_metadata(node: Node) -> None:
 
 
 def leaves_inputs_alone(node: Node) -> None:
-    """Check that pixels and code values of the inputs are the same after a run."""
+    """Check that a run writes on none of its inputs' arrays: they are read-only, and their pixels the same after it."""
     for scene in SCENES:
         inputs = inputs_of(node, scene)
-        before = {name: _content(image) for name, image in inputs.items()}
-        run_node(node, inputs)
+        before = {name: image.pixels.copy() for name, image in inputs.items()}
+        try:
+            run_node(node, inputs)
+        except InternalError as error:
+            raise ComplianceError(f"{scene}: {error}") from error
         for name, image in inputs.items():
-            same = all(np.array_equal(a, b) for a, b in zip(before[name], _content(image, copy=False), strict=True))
-            require(same, f"{scene}: input {name!r} was changed")
-
-
-def _content(image: Image, copy: bool = True) -> list[Array]:
-    """Return the pixels, and the code values that all nodes share."""
-    held = [image.pixels]
-    if image.type == "color":
-        for space in SPACES:
-            held += [image.encoded(space), image.encoded_mono(space), image.encoded(space, ground=1.0)]
-    return [np.array(each) for each in held] if copy else held
+            require(np.array_equal(before[name], image.pixels), f"{scene}: input {name!r} was changed")
 
 
 def survives_nan_and_inf(node: Node) -> None:
@@ -110,6 +110,8 @@ def survives_nan_and_inf(node: Node) -> None:
     for name in inputs_of(node, "shapes"):
         for bad in (np.nan, np.inf, -np.inf):
             inputs = inputs_of(node, "shapes")
+            if inputs[name].pixels.dtype.kind != "f":
+                continue  # ids are always finite
             pixels = inputs[name].pixels.copy()
             pixels[3, 5, 0] = bad
             inputs[name] = inputs[name].with_pixels(pixels)
@@ -146,17 +148,30 @@ def same_on_any_number_of_threads(node: Node) -> None:
 
 
 def mixes(node: Node) -> None:
-    """Check that mask and mix give the input at 0, the result at 1, and half of each at 0.5."""
-    inputs = inputs_of(node, "alpha")
+    """Check that mask and mix give the input at 0, the result at 1, and half of each at 0.5, for each type.
+
+    Of what has no mean, such as ids, each pixel at 0.5 must be the input's or the result's.
+    """
+    port = node.all_inputs["image"]
+    for kind in port.accepts:
+        _mixes(node, inputs_of(node, "alpha") | {"image": make_input(kind, "alpha", 20, 24)})
+
+
+def _mixes(node: Node, inputs: dict[str, Image]) -> None:
+    """Check mask and mix on these inputs."""
     image, first = inputs["image"], node.outputs[0].name
     full = run_node(node, inputs)[first]
-    require(run_node(node, inputs, {"mix": 0})[first] is image, "mix 0 must give the input itself")
+    require(equal(run_node(node, inputs, {"mix": 0})[first], image), "mix 0 must give the input")
     half = np.zeros(image.pixels.shape[:2], np.float32)
     half[:, ::2] = 1
     masked = run_node(node, inputs | {MASK.name: image.with_pixels(half, "matte")})[first].pixels
     require(np.array_equal(masked[:, ::2], full.pixels[:, ::2]), "where the mask is 1 the result must stand")
     require(np.array_equal(masked[:, 1::2], image.pixels[:, 1::2]), "where the mask is 0 the input must stand")
     between = run_node(node, inputs, {"mix": 0.5})[first].pixels
+    if not pixel_type(full.type).blends:
+        either = (between == image.pixels) | (between == full.pixels)
+        require(bool(either.all()), f"mix 0.5 of {full.type} must be the input's value or the result's")
+        return
     require(np.allclose(between, (image.pixels + full.pixels) / 2, atol=1e-5), "mix 0.5 must be half-way")
 
 
@@ -164,11 +179,16 @@ def mixes(node: Node) -> None:
 
 
 def reads_or_takes_a_picture(node: Node, param: Param) -> None:
-    """Check that a node that reads gives finite images of a small EXR, or that one that writes takes all types."""
+    """Check that a node that reads finds finite images in an EXR of all types, or that one that writes takes them all.
+
+    Layers are called by their types: depth.Z, normal.X, id.id and so on.
+    """
     with tempfile.TemporaryDirectory() as folder:
         context, file = Context(node=node.type, services=Settings()), os.path.join(folder, "picture.exr")
         if param.role == "input":
-            make_input("color", "alpha", 20, 24).to_imagebuf().write(file)
+            layers = {kind: make_input(kind, "shapes", 20, 24) for kind in PORT_TYPES}
+            plate = make_input("color", "alpha", 20, 24)
+            save(build_picture(Image(plate.pixels, plate.spec, "color"), layers), file)
             for name, image in call_node(node, context, {}, {param.name: file}).items():
                 require(finite(image), f"output {name!r} is not finite")
             return

@@ -1,4 +1,4 @@
-"""Checks of a parameter: it changes the key, and on some picture the result."""
+"""Checks of a parameter: it changes the key, and on some picture the result, but neither where it is disabled."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ _SHAPES: tuple[Any, ...] = (1.0, 16.0, 0.5, 100, 1, 2, "max", "p50", "other", Tr
 
 def changes_the_key(node: Node, param: Param) -> None:
     """Check that every value gives another key than the default, or none does if the parameter is not in the key."""
-    defaults = node.defaults()
-    before = node_key(node, defaults, {})
+    settings = node.defaults() | _enabling(node, param)
+    before = node_key(node, settings, {})
     for value in alternatives(param):
-        after = node_key(node, defaults | {param.name: value}, {})
+        after = node_key(node, settings | {param.name: value}, {})
         require((after != before) == param.in_key, f"{param.name} = {value!r}: key {'un' * param.in_key}changed")
 
 
@@ -44,6 +44,38 @@ def changes_the_picture(node: Node, param: Param) -> None:
     )
 
 
+def nothing_where_disabled(node: Node, param: Param) -> None:
+    """Check that no value changes the key or any output beside the values of other parameters that disable this one."""
+    for settings in _disabling(node, param):
+        key = node_key(node, node.defaults() | settings, {})
+        for scene in SCENES if node.file_param is None else ():
+            inputs = inputs_of(node, scene)
+            before = _try(node, inputs, settings)
+            for value in alternatives(param):
+                after = _try(node, inputs, settings | {param.name: value})
+                same = before and after and all(equal(before[name], after[name]) for name in before)
+                require(bool(same), f"{param.name} = {value!r} changes the result, though {settings} disables it")
+        for value in alternatives(param):
+            same_key = node_key(node, node.defaults() | settings | {param.name: value}, {}) == key
+            require(same_key, f"{param.name} = {value!r} changes the key, though {settings} disables it")
+
+
+def _enabling(node: Node, param: Param) -> dict[str, Any]:
+    """Return the values of other parameters, if defaults will not do, beside which ``param`` does something."""
+    if node.is_enabled(param.name, {}):
+        return {}
+    return {switch: values[0] for switch, values in param.enabled_when.items()}
+
+
+def _disabling(node: Node, param: Param) -> Iterator[dict[str, Any]]:
+    """Yield a value of another parameter, one at a time, that disables ``param``."""
+    for switch in param.enabled_when:
+        declared = node.all_params[switch]
+        for value in (declared.default, *alternatives(declared)):
+            if not node.is_enabled(param.name, _enabling(node, param) | {switch: value}):
+                yield {switch: value}
+
+
 def _try(node: Node, inputs: Mapping[str, Image], params: Mapping[str, Any]) -> dict[str, Image] | None:
     try:
         return run_node(node, inputs, params)
@@ -54,15 +86,17 @@ def _try(node: Node, inputs: Mapping[str, Image], params: Mapping[str, Any]) -> 
 
 
 def _surroundings(node: Node, param: Param) -> Iterator[dict[str, Any]]:
-    """Yield values for the other parameters: the defaults, then one of them changed, then two."""
-    others = [other for other in node.params if other.name != param.name and not other.required]
+    """Yield values for the others: defaults beside which ``param`` does something, one of them changed, then two."""
+    enabling = _enabling(node, param)
+    fixed = {param.name, *param.enabled_when}
+    others = [other for other in node.params if other.name not in fixed and not other.required]
     single = [{other.name: value} for other in others for value in list(alternatives(other))[:3]]
-    yield {}
-    yield from single
+    yield enabling
+    yield from ({**enabling, **one} for one in single)
     for i, one in enumerate(single):
         for two in single[:i]:
             if one.keys() != two.keys():
-                yield one | two
+                yield {**enabling, **one, **two}
 
 
 def alternatives(param: Param) -> Iterator[Any]:

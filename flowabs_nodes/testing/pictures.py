@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+import numpy.typing as npt
 
 from flowabs_nodes.array_types import Array
-from flowabs_nodes.image import Image, Origin, PortType
+from flowabs_nodes.image import Image, Origin
+from flowabs_nodes.port_types import PixelType, PortType, pixel_type
 
 #: Shapes of different colours and equal lightness; noise; soft alpha, with 0 and 1; values far above 1 and below 0.
 SCENES = ("shapes", "noise", "alpha", "hdr")
@@ -16,9 +20,11 @@ def make_input(kind: PortType, scene: str, height: int, width: int) -> Image:
 
     Every image of one size is on the same window, so that they can go into one node.
     """
-    plane = {"color": _color, "flow": _flow, "mono": _mono, "matte": _matte, "data": _data}[kind]
-    pixels = plane(scene, height, width)
-    channels = ("Z", "id") if kind == "data" else None
+    declared = pixel_type(kind)
+    if kind == "color":
+        pixels, channels = _color(scene, height, width), None
+    else:
+        pixels, channels = _values(declared, scene, height, width), declared.typical_channels
     image = Image.from_array(pixels, "lin_ap1_scene", type=kind, channels=channels)
     spec = image.spec
     spec.x, spec.y = 5, -3
@@ -28,6 +34,23 @@ def make_input(kind: PortType, scene: str, height: int, width: int) -> Image:
     spec.attribute("framesPerSecond", 23.976)
     spec.attribute("PixelAspectRatio", 2.0)
     return Image(image.pixels, spec, kind, colorspace=image.colorspace, origin=Origin("plate.exr"))
+
+
+def on_frame(image: Image, frame: int) -> Image:
+    """Return the image as another frame of its sequence has it: of its type, each pixel made from the same pixel alone.
+
+    Frame 0 is the image itself. Of other frames numbers are smaller, and channels of directions change places; whole
+    numbers, which name things, are the same on all.
+    """
+    pixels = image.pixels
+    if frame == 0 or pixels.dtype != np.float32:
+        return image
+    if image.type in ("flow", "normal"):
+        return image.with_pixels(np.roll(pixels, frame, axis=2))
+    colors = slice(0, 3) if image.type == "color" else slice(None)
+    changed = pixels.copy()
+    changed[..., colors] *= np.float32(0.75 ** (1 + frame % 7))
+    return image.with_pixels(changed)
 
 
 def _grid(height: int, width: int) -> tuple[Array, Array]:
@@ -54,26 +77,34 @@ def _color(scene: str, height: int, width: int) -> Array:
     return rgb.astype(np.float32)
 
 
-def _flow(scene: str, height: int, width: int) -> Array:
+def _values(declared: PixelType, scene: str, height: int, width: int) -> npt.NDArray[Any]:
+    """Return pixels of any other type, (H, W, C), by its declaration: directions, areas of ids, a ring of numbers."""
+    count = len(declared.typical_channels)
+    if declared.unit:
+        return _directions(scene, height, width, count)
+    low, high = declared.usual
+    shares = np.stack([_shares(scene, height, width, channel) for channel in range(count)], axis=2)
+    if declared.dtype.kind == "u":
+        steps = np.floor(shares.astype(np.float64) * 5) / 5  # areas of one id each
+        return np.minimum(low + steps * (high - low) + 1, np.iinfo(declared.dtype).max).astype(declared.dtype)
+    return np.asarray(low + (high - low) * shares, declared.dtype)
+
+
+def _directions(scene: str, height: int, width: int, count: int) -> Array:
+    """Return vectors of length 1, (H, W, count)."""
     y, x = _grid(height, width)
     angle = 3 * x + 2 * y * y + 1.0
     if scene == "noise":
         angle = np.random.default_rng(8).random((height, width)) * np.pi
-    return np.stack([np.cos(angle), np.sin(angle)], axis=2).astype(np.float32)
+    tilts = [np.cos(x + channel) for channel in range(count - 2)]  # how far each further axis leaves the plane
+    flat = np.sqrt(np.maximum(1 - sum(tilt**2 for tilt in tilts), 0)) if tilts else 1.0
+    return np.stack([flat * np.cos(angle), flat * np.sin(angle), *tilts], axis=2).astype(np.float32)
 
 
-def _mono(scene: str, height: int, width: int) -> Array:
-    return np.asarray(40 * _matte(scene, height, width) - 10, np.float32)
-
-
-def _matte(scene: str, height: int, width: int) -> Array:
+def _shares(scene: str, height: int, width: int, channel: int) -> Array:
+    """Return numbers from 0 to 1, (H, W): noise, or a soft ring, a little further to the right in each channel."""
     y, x = _grid(height, width)
     if scene == "noise":
-        return np.random.default_rng(9).random((height, width), np.float32)
-    ring: Array = np.clip(6 * np.abs(np.hypot(x - 0.5, y - 0.4) - 0.25), 0, 1).astype(np.float32)
-    return ring
-
-
-def _data(scene: str, height: int, width: int) -> Array:
-    y, x = _grid(height, width)
-    return np.stack([100 * y, np.floor(4 * x)], axis=2).astype(np.float32)
+        return np.random.default_rng(9 + channel).random((height, width), np.float32)
+    ring = np.clip(6 * np.abs(np.hypot(x - 0.5 - 0.1 * channel, y - 0.4) - 0.25), 0, 1)
+    return np.asarray(ring, np.float32)

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
 from flowabs_nodes.engine.call_node import call_node
-from flowabs_nodes.image import Image, PortType
+from flowabs_nodes.engine.error_boundary import error_boundary
+from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node
-from flowabs_nodes.testing.pictures import make_input
+from flowabs_nodes.nodes.frame_offsets import frame_offsets
+from flowabs_nodes.testing.pictures import make_input, on_frame
 
 
 class ComplianceError(AssertionError):
@@ -26,15 +28,24 @@ def require(holds: bool, otherwise: str) -> None:
 def run_node(
     node: Node, inputs: Mapping[str, Image], params: Mapping[str, Any] | None = None, wanted: str = ""
 ) -> dict[str, Image]:
-    """Return the node's outputs, all or the one wanted, with defaults for what ``params`` leaves out."""
+    """Return the node's outputs, all or the one wanted, decoded, with defaults for what ``params`` leaves out.
+
+    Of an input that the node reads on several frames, the other frames are made from its image (:func:`on_frame`).
+    """
     context = Context(node=node.type, wanted=frozenset({wanted} if wanted else ()))
-    return call_node(node, context, inputs, params or {})
+    with error_boundary(node.type):
+        offsets = frame_offsets(node, node.defaults() | dict(params or {}))
+    windows = {
+        name: {offset: on_frame(inputs[name], offset) for offset in offsets[name]} for name in offsets if name in inputs
+    }
+    outputs = call_node(node, context, {**inputs, **windows}, params or {})
+    return {name: image.decoded() for name, image in outputs.items()}
 
 
 def inputs_of(node: Node, scene: str, height: int = 20, width: int = 24, optional: bool = True) -> dict[str, Image]:
     """Make an image for each declared input but the mask, each of the first type its port takes."""
     return {
-        port.name: make_input(cast(PortType, port.accepts[0]), scene, height, width)
+        port.name: make_input(port.accepts[0], scene, height, width)
         for port in node.inputs
         if optional or not port.optional
     }

@@ -8,7 +8,7 @@ from functools import partial
 
 from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.nodes.declare import Node
-from flowabs_nodes.testing import checks, parameters
+from flowabs_nodes.testing import checks, frame_windows, parameters, regions
 from flowabs_nodes.testing.running import ComplianceError, require
 
 
@@ -29,6 +29,8 @@ def compliance_checks(node: Node) -> list[Check]:
     for param in node.all_params.values():
         if param.kind != "file":  # a file counts by its content
             found[f"{param.name}_changes_the_key"] = partial(parameters.changes_the_key, node, param)
+        if param.enabled_when:
+            found[f"{param.name}_does_nothing_where_disabled"] = partial(parameters.nothing_where_disabled, node, param)
     if node.file_param is not None:
         found["reads_or_takes_a_picture"] = partial(checks.reads_or_takes_a_picture, node, node.file_param)
     else:
@@ -42,6 +44,14 @@ def compliance_checks(node: Node) -> list[Check]:
             "gives_the_same_again": partial(checks.gives_the_same_again, node),
             "gives_the_same_bits_on_any_number_of_threads": partial(checks.same_on_any_number_of_threads, node),
         }
+        if node.region is not None:
+            found["works_on_a_region"] = partial(regions.works_on_a_region, node)
+        if node.frames is not None:
+            found |= {
+                "asks_for_frames_by_the_rules": partial(frame_windows.asks_by_the_rules, node),
+                "takes_windows_that_are_cut": partial(frame_windows.takes_windows_that_are_cut, node),
+                "gives_the_same_alone_in_a_run_and_in_another_order": partial(frame_windows.same_in_any_order, node),
+            }
         if node.mixes:
             found["mixes"] = partial(checks.mixes, node)
         for param in node.all_params.values():

@@ -27,6 +27,19 @@ def test_warnings_alone_exit_0(flowabs, tmp_path):
     assert out.endswith("ok, 1 warning\n")
 
 
+def test_a_parameter_that_does_nothing_exits_0(flowabs, tmp_path):
+    ink = {"type": "dog@1", "inputs": {"image": "plate"}, "params": {"form": "xdog", "tau": 0.4}}
+    code, out, _ = flowabs("check", graph_file(tmp_path, ink=ink, out=OUT | {"inputs": {"image": "ink"}}))
+    assert code == 0
+    assert out == (
+        "unused-param (warning)  /nodes/ink/params/tau\n"
+        '  found     tau 0.4, which does nothing beside form "xdog"\n'
+        '  expected  form "paper" for tau\n'
+        "  hint      leave tau out, or change what disables it\n\n"
+        "ok, 1 warning\n"
+    )
+
+
 def test_check_shows_every_problem(flowabs, tmp_path):
     flow = {"type": "etf@1", "inputs": {"image": "plat"}, "params": {"radius": -1, "raduis": 5}}
     code, out, _ = flowabs("check", graph_file(tmp_path, flow=flow))

@@ -71,7 +71,7 @@ def test_result_goes_over_input_by_mask_times_mix(alpha):
     np.testing.assert_allclose(result.pixels, expected, atol=1e-6)  # alpha too
 
 
-def test_full_mix_is_the_result_itself_and_none_is_the_input_itself():
+def test_full_mix_is_the_result_itself_and_none_is_a_copy_of_the_input():
     image, kept = picture(), {}
 
     def run(context, image, *, amount):
@@ -81,7 +81,9 @@ def test_full_mix_is_the_result_itself_and_none_is_the_input_itself():
     node = changed(ADD, run)
     assert call_node(node, Context(), {"image": image}, {"mix": 1})["image"] is kept["result"]
     kept.clear()
-    assert call_node(node, Context(), {"image": image}, {"mix": 0})["image"] is image
+    none = call_node(node, Context(), {"image": image}, {"mix": 0})["image"]
+    assert none is not image
+    assert none.pixels is image.pixels
     assert not kept, "a node whose result nobody sees does not run"
 
 
@@ -116,7 +118,8 @@ def test_further_color_outputs_are_multiplied_by_mask_and_mix():
     assert (found["ink"].pixels == 0.25).all()
     assert (found["other"].pixels == 1).all()
     found = call_node(changed(ADD, run, outputs=outputs), Context(), {"image": image}, {"mix": 0})
-    assert found["image"] is image
+    assert found["image"] is not image
+    assert found["image"].pixels is image.pixels
     assert (found["ink"].pixels == 0).all()
 
 
@@ -168,6 +171,19 @@ def test_metadata_and_origin_that_a_node_loses_are_put_back():
     assert result.origin == image.origin
 
 
+def test_metadata_is_put_back_without_decoding():
+    def run(context, image, *, amount):
+        plain = Image(image.pixels, Image.from_array(image.pixels).spec, "color")
+        result = plain.with_codes(image.encoded(), "lab")
+        spec = image.spec
+        spec.erase_attribute("owner")
+        return Image(result.deferred, spec, "color")
+
+    result = call_node(changed(ADD, run), Context(), {"image": picture()}, {})["image"]
+    assert result.spec.get("owner") == "somebody"
+    assert result.deferred is not None
+
+
 # ---------------------------------------------------------------------- what may not be
 
 
@@ -200,6 +216,10 @@ def test_wrong_inputs_and_parameters(inputs, params, code, words):
         (lambda context, image, **_: None, "the node returned NoneType"),
         (lambda context, image, **_: {"imgae": image}, "the node returned NoneType"),
         (
+            lambda context, image, **_: image.pixels.astype(np.float64),
+            r"output 'image' of add@1 must be an Image, the node returned an array of float64 \(6, 8, 3\)",
+        ),
+        (
             lambda context, image, **_: image.with_pixels(image.pixels[..., 0], "mono"),
             "must be color, the node returned mono",
         ),
@@ -221,6 +241,43 @@ def test_an_unforeseen_exception_says_node_and_frame_and_keeps_its_cause():
         call_node(changed(ADD, run), Context(frame=12, node="sum"), {"image": picture()}, {})
     assert failure.value.code == "internal"
     assert isinstance(failure.value.__cause__, ZeroDivisionError)
+
+
+@pytest.mark.parametrize(
+    "write",
+    [
+        lambda image: image.pixels.fill(0),
+        lambda image: np.multiply(image.encoded("lab"), 2, out=image.encoded("lab")),
+        lambda image: image.encoded_mono("acescct").__setitem__(0, 0),
+        lambda image: image.alpha.__setitem__((0, 0), 1),
+    ],
+)
+def test_writing_on_an_input_is_numpy_s_own_error_with_the_node_s_name(write):
+    def run(context, image, *, amount):
+        write(image)
+        return image
+
+    with pytest.raises(InternalError, match=r"node tint: ValueError: .* is read-only") as failure:
+        call_node(changed(ADD, run), Context(node="tint"), {"image": picture(alpha=True)}, {})
+    assert isinstance(failure.value.__cause__, ValueError)
+
+
+@pytest.mark.parametrize("dtype", [np.complex64, object, "U1"])
+def test_pixels_that_are_no_real_numbers_are_refused_with_the_node_s_name(dtype):
+    def run(context, image, *, amount):
+        return image.with_pixels(np.zeros(image.pixels.shape, dtype))
+
+    with pytest.raises(ArgumentError, match="node tint: parameter pixels: expected an array of real numbers, found"):
+        call_node(changed(ADD, run), Context(node="tint"), {"image": picture()}, {})
+
+
+def test_setting_an_attribute_of_an_input_is_an_error_with_the_node_s_name():
+    def run(context, image, *, amount):
+        image.type = "matte"
+        return image
+
+    with pytest.raises(InternalError, match="node tint: AttributeError: an Image never changes: type cannot be set"):
+        call_node(changed(ADD, run), Context(node="tint"), {"image": picture()}, {})
 
 
 def test_an_exception_s_many_lines_become_one():
@@ -264,3 +321,27 @@ def test_declarations_stay_usable_as_they_are():
     assert isinstance(ADD, Node)
     assert ADD.mixes
     assert not SPLIT.mixes
+
+
+# ---------------------------------------------------------------------- ids have no mean
+
+
+def other_ids(context, image):
+    return image.with_pixels(np.full_like(image.pixels, 2**32 - 1))
+
+
+RENAME = Node("rename", 1, ".", (Port("image", "id|mono", "."),), (Port("image", "=image", "."),), (), other_ids)
+IDS = Image.from_array(np.array([[2**24 + 1, 2**24 + 3, 0, 2**31 + 1]], np.uint32), type="id")
+
+
+def test_a_mask_takes_each_id_from_one_side_whole():
+    mask = Image.from_array(np.array([[0.0, 0.49, 0.5, 1.0]]), type="matte")
+    mixed = call_node(RENAME, Context(), {"image": IDS, "mask": mask}, {})["image"].pixels
+    assert mixed.dtype == np.uint32
+    np.testing.assert_array_equal(mixed[0, :, 0], [2**24 + 1, 2**24 + 3, 2**32 - 1, 2**32 - 1])
+
+
+@pytest.mark.parametrize(("mix", "changed"), [(0, False), (0.3, False), (0.5, True), (1, True)])
+def test_mix_takes_all_ids_from_one_side(mix, changed):
+    mixed = call_node(RENAME, Context(), {"image": IDS}, {"mix": mix})["image"].pixels
+    np.testing.assert_array_equal(mixed, np.full_like(IDS.pixels, 2**32 - 1) if changed else IDS.pixels)

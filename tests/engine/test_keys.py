@@ -5,11 +5,14 @@ import sys
 import numpy as np
 import pytest
 
+from flowabs_nodes.engine import keys as keys_module
+from flowabs_nodes.engine import load_graph
 from flowabs_nodes.engine.keys import image_key, node_key, unit_keys
-from flowabs_nodes.engine.plan import Result, Unit, make_plan
+from flowabs_nodes.engine.plan import Result, Step, Unit, file_role, make_plan, sinks
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Node, Param, Port
 from tests.engine.fakes import ADD, SPLIT, graph, node, picture
+from tests.engine.windows import MEAN
 
 READ = Node(
     type="read",
@@ -70,6 +73,26 @@ def test_lengths_matter_only_to_nodes_that_have_some():
     assert node_key(ADD, ADD.defaults(), {}) == node_key(ADD, ADD.defaults(), {}, reference_height=1080, scale=0.5)
 
 
+MODED = dataclasses.replace(
+    ADD,
+    params=(
+        *ADD.params,
+        Param.enum("mode", "flat", ("flat", "bent"), help="."),
+        Param.float("bend", 1.0, enabled_when={"mode": ("bent",)}, help="."),
+    ),
+)
+
+
+def test_a_disabled_parameter_counts_as_its_default():
+    defaults = MODED.defaults()
+    key = node_key(MODED, defaults, {})
+    assert key == node_key(MODED, defaults | {"bend": 2.0}, {})
+    bent = [node_key(MODED, defaults | {"mode": "bent", "bend": bend}, {}) for bend in (1.0, 2.0)]
+    assert len({key, *bent}) == 3
+    free = tuple(dataclasses.replace(param, enabled_when={}) for param in MODED.params)
+    assert key == node_key(dataclasses.replace(MODED, params=free), defaults, {})  # as before it was conditional
+
+
 def keys_of(a_graph, **params):
     steps = make_plan(a_graph, 1, results=[Result("end", "image", 1)])
     values = {Unit(name, 1): each for name, each in a_graph.values(1).items()}
@@ -89,6 +112,53 @@ def test_a_change_upstream_changes_every_key_downstream_and_no_other():
     assert {unit.node for unit in before if before[unit] != after[unit]} == {"middle", "end"}
     other = keys_of(build(1.0, "matte"))
     assert {unit.node for unit in before if before[unit] != other[unit]} == {"middle", "end"}
+
+
+def window_key(keys):
+    """Return the key of a mean over a window of results with ``keys``, by frame."""
+    a_graph = graph(node("start", ADD), node("mean", MEAN, {"image": "start"}, radius=1))
+    steps = [
+        Step(
+            Unit("mean", 5),
+            {"image": {frame - 5: Result("start", "image", frame) for frame in keys}},
+            frozenset(),
+            frozenset(),
+        )
+    ]
+    given = {Result("start", "image", frame): key for frame, key in keys.items()}
+    params = {Unit("mean", 5): {"radius": 1}}
+    return unit_keys(a_graph, steps, params, contents={}, given=given, scale=1.0, ocio="")[Unit("mean", 5)]
+
+
+def test_a_key_holds_those_of_all_frames_that_are_read():
+    keys = {4: "a", 5: "b", 6: "c"}
+    found = {
+        window_key(keys),
+        *(window_key(keys | {frame: "x"}) for frame in keys),
+        window_key({4: "c", 5: "b", 6: "a"}),
+        window_key({4: "a", 5: "b"}),
+        window_key({5: "b", 6: "a"}),
+        window_key({5: "a", 6: "b"}),
+    }
+    assert len(found) == 8
+
+
+@pytest.mark.parametrize(
+    ("name", "keys"),
+    [
+        ("lines", {"flow": "1f46d0276569", "out": "200c117c7e2a"}),
+        ("abstraction_hdr", {"flow": "c3fcf845dc24", "out": "89a92c9e204c"}),
+    ],
+)
+def test_keys_of_released_graphs_stay(name, keys, monkeypatch):
+    """A key that changes makes every frame again that a release has written: raise the node's version instead."""
+    monkeypatch.setattr(keys_module, "package_version", lambda package: "1")
+    released = load_graph(name)
+    steps = make_plan(released, 1, sinks=sinks(released))
+    values = {Unit(each, 1): params for each, params in released.values(1).items()}
+    contents = {step.unit: "content" for step in steps if file_role(released, step.unit.node) == "input"}
+    found = unit_keys(released, steps, values, contents=contents, given={}, scale=1.0, ocio="")
+    assert {each: found[Unit(each, 1)][:12] for each in keys} == keys
 
 
 def test_given_images_are_known_by_what_they_hold():

@@ -1,6 +1,6 @@
 import pytest
 
-from flowabs_nodes.engine.plan import Result, Unit, make_plan, named_result
+from flowabs_nodes.engine.plan import Result, Unit, make_plan, named_result, unit_inputs
 from flowabs_nodes.errors import CommandError
 from tests.engine.fakes import ADD, SPLIT, graph, node
 
@@ -76,6 +76,41 @@ def test_a_chain_of_ten_thousand_nodes():
     steps = make_plan(chain, 1, results=[Result("n9999", "image", 1)])
     assert len(steps) == 10_000
     assert steps[-1].drops == {Result("n9998", "image", 1)}
+
+
+def planned(window, results, given=()):
+    """Plan the last result of a chain in which nodes named in ``window`` read the frames at these offsets."""
+    chain = graph(node("a", ADD), node("b", ADD, {"image": "a"}), node("c", ADD, {"image": "b"}))
+
+    def inputs_of(unit):
+        return unit_inputs(chain, unit, {"image": window[unit.node]} if unit.node in window else {})
+
+    return make_plan(chain, 5, results=results, given=given, inputs_of=inputs_of)
+
+
+def test_a_window_of_frames_is_computed_a_frame_at_a_time():
+    steps = planned({"c": (-1, 0, 1)}, [Result("c", "image", 5)])
+    assert [step.unit for step in steps] == [
+        *(Unit("a", 4), Unit("b", 4), Unit("a", 5), Unit("b", 5), Unit("a", 6), Unit("b", 6)),
+        Unit("c", 5),
+    ]
+    assert steps[-1].inputs == {"image": {offset: Result("b", "image", 5 + offset) for offset in (-1, 0, 1)}}
+    assert steps[-1].drops == set(steps[-1].needs) == {Result("b", "image", frame) for frame in (4, 5, 6)}
+    assert steps[1].drops == {Result("a", "image", 4)}
+    assert steps[-1].makes == (Result("c", "image", 5),)
+
+
+def test_windows_along_a_chain_add_up_and_each_frame_is_computed_once():
+    steps = planned({"c": (-1, 0, 1), "b": (0, 2)}, [Result("c", "image", 5)])
+    frames = [step.unit.frame for step in steps if step.unit.node == "a"]
+    assert sorted(frames) == [4, 5, 6, 7, 8]
+    assert len(steps) == len({step.unit for step in steps})
+
+
+def test_frames_that_are_given_are_not_computed():
+    given = {Result("b", "image", 4), Result("a", "image", 6)}
+    steps = planned({"c": (-1, 0, 1)}, [Result("c", "image", 5)], given)
+    assert [step.unit for step in steps] == [Unit("a", 5), Unit("b", 5), Unit("b", 6), Unit("c", 5)]
 
 
 def test_names_of_results():

@@ -6,6 +6,8 @@ import pytest
 from flowabs_nodes.engine import load_graph
 from flowabs_nodes.engine.resize import scale_image, scale_window
 from flowabs_nodes.image import Image, Window
+from flowabs_nodes.port_types import TYPES
+from flowabs_nodes.testing.pictures import make_input
 from tests.engine.fakes import picture
 
 
@@ -55,6 +57,30 @@ def test_directions_and_ids_are_never_mixed(kind):
     assert small.channels == image.channels
     assert set(small.pixels[..., 0].ravel()) <= set(pixels[..., 0].ravel())
     np.testing.assert_array_equal(small.pixels, pixels[1::2, 1::2])
+
+
+@pytest.mark.parametrize("kind", [name for name, declared in TYPES.items() if not declared.filtered])
+def test_what_has_no_mean_is_taken_from_the_nearest_pixel(kind):
+    image = make_input(kind, "noise", 20, 30)
+    assert image.pixels.dtype == TYPES[kind].dtype
+    small = scale_image(image, 0.5)
+    taken = {tuple(pixel) for pixel in image.pixels.reshape(-1, image.pixels.shape[2])}
+    if not TYPES[kind].lengths:
+        assert {tuple(pixel) for pixel in small.pixels.reshape(-1, small.pixels.shape[2])} <= taken
+    assert small.pixels.dtype == image.pixels.dtype
+
+
+def test_motion_is_as_much_shorter_as_the_picture():
+    motion = Image.from_array(np.full((31, 40, 4), 8.0), type="motion", channels=TYPES["motion"].channels[0])
+    small = scale_image(motion, 0.5)
+    assert small.display_window == (0, 0, 20, 16)
+    np.testing.assert_allclose(small.pixels[3, 4], [4, 8 * 16 / 31, 4, 8 * 16 / 31], rtol=1e-6)
+
+
+def test_large_ids_are_exact_in_a_smaller_picture():
+    ids = np.random.default_rng(2).integers(0, 2**32, (20, 30), np.uint32)
+    small = scale_image(Image.from_array(ids, type="id"), 0.5)
+    np.testing.assert_array_equal(small.pixels[..., 0], ids[1::2, 1::2])
 
 
 def test_full_size_is_the_image_itself():

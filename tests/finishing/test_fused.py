@@ -8,7 +8,8 @@ import pytest
 from flowabs_nodes import color, filters
 from flowabs_nodes.color.codes import Codes
 from flowabs_nodes.errors import ArgumentError
-from flowabs_nodes.finishing.fused import finish, quantized
+from flowabs_nodes.finishing.finish import finish
+from flowabs_nodes.finishing.fused import quantized
 from flowabs_nodes.finishing.operations import Ink, Operation, Quantize
 
 REC709 = color.space("lin_rec709")

@@ -1,10 +1,13 @@
 """Each mistake has its code, its place, and is said once."""
 
+import dataclasses
 import json
 
+import jsonschema
 import pytest
 
 from flowabs_nodes import graph
+from flowabs_nodes.nodes.declare import Param
 from tests.graph.fakes import CATALOGUE, document, nodes
 
 LINES = {"type": "lines@1", "inputs": {"image": "plate", "flow": "field"}}
@@ -451,3 +454,12 @@ def test_problems_are_plain_data():
         "expected": "a key of the format",
         "hint": "did you mean 'name'?",
     }
+
+
+def test_a_number_that_is_the_same_on_every_frame_takes_no_curve():
+    steady = dataclasses.replace(CATALOGUE["flow"], params=(Param.int("seed", 1, animatable=False, help="Seed."),))
+    source = with_params(seed={"curve": {"1": 1, "2": 5}})
+    (problem,) = graph.check(source, CATALOGUE | {"flow": steady})
+    assert (problem.code, problem.pointer) == ("wrong-type", "/nodes/field/params/seed/curve")
+    assert problem.expected == "no curve: this number is the same on every frame; a whole number"
+    assert not jsonschema.Draft202012Validator(graph.schema(CATALOGUE | {"flow": steady})).is_valid(source)

@@ -13,6 +13,7 @@ import pytest
 from flowabs_nodes.errors import WriteError
 from flowabs_nodes.image import Image, Window
 from flowabs_nodes.io.read import read_data, read_image
+from flowabs_nodes.testing.pictures import make_input
 from tests.io.files import (
     attributes,
     box,
@@ -158,6 +159,51 @@ def test_data_layers_keep_nan_and_inf_and_say_so(tmp_path: Path) -> None:
     out, warned = written(image, tmp_path / "b.exr", layers={"depth": data}, data_type="half")
     np.testing.assert_array_equal(native(out)["depth.Z"], np.array([[np.inf, np.nan, 65504]], np.float16))
     assert "clamped" in warned[1]
+
+
+@pytest.mark.parametrize("data_type", ["auto", "half", "float"])
+def test_passes_are_written_bit_for_bit_whatever_is_asked_for(tmp_path: Path, data_type: str) -> None:
+    image = read_image(windowed(tmp_path / "plate.exr"))
+    layers = {kind: make_input(kind, "noise", 24, 32) for kind in ("depth", "normal", "motion", "id")}
+    placed = {kind: Image(each.pixels, _with_windows(each, image), kind) for kind, each in layers.items()}
+    out, warned = written(image, tmp_path / "out.exr", data_type=data_type, layers=placed)
+    found = native(out)
+    expected = {
+        "depth.Z": layers["depth"].pixels[..., 0],
+        "id.id": layers["id"].pixels[..., 0],
+        **{f"normal.{each}": layers["normal"].pixels[..., i] for i, each in enumerate("XYZ")},
+        **{f"motion.{each}": layers["motion"].pixels[..., i] for i, each in enumerate("XYZW")},
+    }
+    assert set(found) == {"R", "G", "B", *expected}
+    assert all(same_bits(found[name], plane) for name, plane in expected.items())
+    assert (found["id.id"] > 2**24).any()
+    assert not warned
+
+
+def _with_windows(image: Image, like: Image) -> oiio.ImageSpec:
+    """Return an image's header on the windows of another."""
+    spec = image.spec
+    spec.x, spec.y = like.data_window[:2]
+    spec.full_x, spec.full_y, spec.full_width, spec.full_height = like.display_window
+    return spec
+
+
+@pytest.mark.parametrize("kind", ["depth", "normal", "motion", "id"])
+def test_a_pass_as_the_main_image(tmp_path: Path, kind: str) -> None:
+    image = make_input(kind, "noise", 24, 32)
+    plain = Image(image.pixels, image.spec, kind)
+    out, warned = written(plain, tmp_path / "out.exr", data_type="half")
+    found = native(out)
+    assert list(found) == sorted(image.channels)
+    assert all(same_bits(found[name], image.pixels[..., i]) for i, name in enumerate(image.channels))
+    assert not warned
+
+
+def test_nan_in_a_pass_stays_and_is_told(tmp_path: Path) -> None:
+    depth = Image.from_array(np.array([[1, np.nan, np.inf]], np.float32), type="depth")
+    out, warned = written(depth, tmp_path / "out.exr")
+    assert same_bits(native(out)["Z"], depth.pixels[..., 0])
+    assert warned == ["image: 1 NaN and 1 Inf written as they are"]
 
 
 # ---------------------------------------------------------------------- compression

@@ -13,6 +13,7 @@ from flowabs_nodes.errors import WriteError
 from flowabs_nodes.image import Image, Window
 from flowabs_nodes.io.read import read_data, read_image
 from flowabs_nodes.io.write import build_picture, save, stored_key
+from flowabs_nodes.testing.pictures import make_input
 from tests.io.files import (
     colors,
     exr,
@@ -188,3 +189,9 @@ def test_nan_is_not_written_silently(tmp_path: Path) -> None:
 def test_windows_are_cut_like_images(tmp_path: Path) -> None:
     image = Image.from_array(colors()).on_window(Window(-2, -2, 10, 10))
     assert codes(written(image, tmp_path / "out.png")[0]).shape == (24, 32, 3)
+
+
+@pytest.mark.parametrize("kind", ["flow", "depth", "normal", "motion", "id", "data"])
+def test_what_is_no_picture_to_look_at_is_refused(tmp_path: Path, kind: str) -> None:
+    with pytest.raises(WriteError, match=rf"PNG cannot hold an? {kind} image; write an EXR"):
+        written(make_input(kind, "noise", 6, 8), tmp_path / "a.png")

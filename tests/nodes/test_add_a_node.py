@@ -13,13 +13,15 @@ import numpy as np
 import pytest
 
 import flowabs_nodes
+from flowabs_nodes.image import Image
 from flowabs_nodes.nodes import catalogue
+from flowabs_nodes.nodes.declare import Context, Node, Param, Port
 from flowabs_nodes.nodes.registry import GROUP
-from flowabs_nodes.testing import compliance_checks
+from flowabs_nodes.testing import check_node, compliance_checks
 
 PACKAGE = Path(flowabs_nodes.__file__).parent
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "add-a-node.md").read_text(encoding="utf-8")
-EXAMPLE, COMPLIANCE = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+EXAMPLE, OPERATION, COMPLIANCE = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
 (ENTRY_POINT,) = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
 NAMES = {}
 exec(compile(EXAMPLE, "add-a-node.md", "exec"), NAMES)
@@ -53,6 +55,18 @@ def test_dots_are_as_large_as_the_picture_is_dark():
     assert shares == sorted(shares)
     assert shares[0] < 0.05
     assert shares[-1] == 1
+
+
+def test_the_operation_tints_what_is_decoded_and_complies():
+    names = dict(NAMES)
+    exec(compile(OPERATION, "add-a-node.md", "exec"), names)
+    port, ink = Port("image", "color", "The picture."), Param.color("ink", (1.0, 0.5, 0.2), help="Its colour.")
+    check_node(Node("tint", 1, "Tints.", (port,), (port,), (ink,), names["run_tint"]))
+    image = Image.from_array(np.random.default_rng(3).random((9, 7, 3), np.float32))
+    smooth = image.with_codes(image.encoded("lab"), "lab")
+    found = names["run_tint"](Context(), smooth, ink=(1.0, 0.5, 0.2))
+    assert found.deferred is not None
+    np.testing.assert_array_equal(found.pixels, smooth.pixels * np.float32((1.0, 0.5, 0.2)))
 
 
 def test_its_file_alone_adds_it_to_the_package(extended):

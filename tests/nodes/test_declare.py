@@ -2,6 +2,7 @@ import math
 
 import pytest
 
+from flowabs_nodes.choices import Choices
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.nodes.declare import MASK, MIX, Node, Param, Port
 
@@ -78,6 +79,78 @@ def test_defaults_leave_out_what_is_required():
     declared = node(params=(Param.file("file", role="input", help=""), Param.float("a", 2.0, help="")))
     assert declared.defaults() == {"a": 2.0, "mix": 1.0}
     assert declared.file_param is declared.params[0]
+
+
+def test_labels_are_made_of_names_unless_they_are_given():
+    declared = node(params=(Param.float("pre_blur", 1.0, help=""), Param.bool("b", True, label="Both", help="")))
+    assert (declared.label, declared.category) == ("Thing", "utility")
+    assert [param.label for param in declared.params] == ["Pre blur", "Both"]
+    assert node(label="A thing", category="weather").label == "A thing"
+
+
+MODE = Param.enum("mode", "a", ("a", "b"), help="")
+FLAG = Param.bool("flag", False, help="")
+
+
+def conditional(name="x", **enabled_when):
+    return Param.float(name, 1.0, enabled_when=enabled_when, help="")
+
+
+def test_a_parameter_is_enabled_beside_all_values_that_it_names():
+    declared = node(params=(MODE, FLAG, conditional(mode=("b",), flag=(True,))))
+    assert not declared.is_enabled("x", {})
+    assert not declared.is_enabled("x", {"mode": "b"})
+    assert not declared.is_enabled("x", {"mode": "a", "flag": True})
+    assert declared.is_enabled("x", {"mode": "b", "flag": True})
+    assert declared.is_enabled("mode", {})
+    assert declared.is_enabled("mix", {})
+
+
+@pytest.mark.parametrize(
+    ("params", "message"),
+    [
+        ((MODE, conditional(mood=("b",))), "mode"),  # the nearest name
+        ((MODE, conditional(x=("b",))), "enum or a bool"),
+        ((MODE, conditional("y"), conditional(y=(1.0,))), "enum or a bool"),
+        ((MODE, conditional(mode=("c",))), "'a', 'b'"),
+        ((MODE, conditional(mode=())), "values of 'mode'"),
+        ((FLAG, conditional(flag=("yes",))), "true or false"),
+        ((MODE, Param.bool("flag", True, enabled_when={"mode": ("b",)}, help=""), conditional(flag=(True,))), "always"),
+        ((MODE, Param("x", "float", None, "", required=True, enabled_when={"mode": ("b",)})), "default"),
+    ],
+)
+def test_a_wrong_condition_is_refused(params, message):
+    with pytest.raises(ArgumentError, match="enabled_when of 'x'") as caught:
+        node(params=params)
+    assert message in str(caught.value)
+
+
+def test_sections_are_in_order_of_their_first_parameter():
+    params = [
+        Param.float(name, 1.0, group=group, help="") for name, group in (("a", "B"), ("c", ""), ("d", "B"), ("e", "A"))
+    ]
+    found = node(params=tuple(params)).sections()
+    assert {group: [param.name for param in each] for group, each in found.items()} == {
+        "B": ["a", "d"],
+        "": ["c", "mix"],
+        "A": ["e"],
+    }
+    assert list(found) == ["B", "", "A"]
+
+
+def test_numbers_take_curves_unless_they_say_no():
+    assert FLOAT.animatable
+    assert INT.animatable
+    assert not any(param.animatable for param in (BOOL, ENUM, TEXT, COLOR_PARAM, OWN))
+    assert not Param.int("seed", 1, animatable=False, help="").animatable
+
+
+def test_choices_have_labels_and_meanings():
+    words = Choices({"one": "just one", "two": "a pair"}, {"two": "A pair"})
+    param = Param.enum("e", "one", words, help="")
+    assert param.choice_labels == {"one": "One", "two": "A pair"}
+    assert param.choice_meanings == {"one": "just one", "two": "a pair"}
+    assert (ENUM.choice_labels, ENUM.choice_meanings) == ({"one": "One", "two": "Two"}, {})
 
 
 def test_extra_inputs_have_any_name():

@@ -5,8 +5,11 @@ from pathlib import Path
 import pytest
 
 from flowabs_nodes import reference
+from flowabs_nodes.choices import CATEGORIES, Choices
 from flowabs_nodes.graph.schema import schema
 from flowabs_nodes.nodes import describe
+from flowabs_nodes.nodes.declare import Node, Param, Port
+from flowabs_nodes.nodes.regions import pixelwise
 from flowabs_nodes.nodes.registry import builtin
 from tests.graph.fakes import CATALOGUE
 
@@ -19,10 +22,12 @@ def squeezed(text):
 
 
 def test_a_page():
-    assert describe.page(CATALOGUE["flow"]).splitlines()[:17] == [
-        "flow@1",
+    assert describe.page(CATALOGUE["flow"]).splitlines()[:19] == [
+        "flow@1  Flow",
         "",
         "  Finds a flow.",
+        "",
+        "  In menus under Utility. It needs the whole picture.",
         "",
         "Inputs",
         "  image  color  A picture.",
@@ -32,12 +37,84 @@ def test_a_page():
         "",
         "Parameters",
         "  radius: a number from 0 to 100 (px), usually 2 to 15; default 5.0",
-        "      Radius.",
+        "      Radius: Radius.",
         "  iterations: a whole number from 0 to 10, usually 1 to 5; default 3",
-        "      Passes.",
+        "      Iterations: Passes.",
         "  kernel: one of 'full', 'separable'; default \"full\"",
-        "      Kernel.",
+        "      Kernel: Kernel.",
     ]
+
+
+FOG = Node(
+    "fog",
+    1,
+    "Fogs.",
+    (Port("image", "color", "In."),),
+    (Port("image", "color", "Out."),),
+    (
+        Param.enum(
+            "kind", "thin", Choices({"thin": "little", "low": "at the ground"}, {"low": "On the ground"}), help="?"
+        ),
+        Param.float(
+            "height", 1.0, label="Height above ground", group="Ground", enabled_when={"kind": ("low",)}, help="."
+        ),
+        Param.int("seed", 1, animatable=False, help="A seed."),
+        Param.float("floor", 0.0, group="Ground", help="The floor."),
+    ),
+    print,
+    label="Fog and mist",
+    category="weather",
+    frames=lambda params: {"image": (-1, 0)},
+    region=pixelwise("image"),
+)
+
+
+def test_what_panels_need_is_on_the_page():
+    lines = describe.page(FOG).splitlines()
+    assert lines[0] == "fog@1  Fog and mist"
+    assert "  In menus under weather. It can work on a part of the picture, and reads other frames." in lines
+    assert lines[lines.index("Parameters") :] == [
+        "Parameters",
+        "  kind: one of 'thin', 'low'; default \"thin\"",
+        "      Kind: ?",
+        "      thin: little",
+        "      low (On the ground): at the ground",
+        "  seed: a whole number; default 1",
+        "      Seed: A seed.",
+        "      The same on every frame.",
+        "  mix: a number from 0 to 1, usually 0 to 1; default 1.0",
+        "      Mix: How much of the result goes over the input.",
+        "",
+        "Parameters: Ground",
+        "  height: a number; default 1.0",
+        "      Height above ground: .",
+        '      Ignored unless kind is "low".',
+        "  floor: a number; default 0.0",
+        "      Floor: The floor.",
+    ]
+
+
+def test_what_panels_need_is_in_documentation_and_schema():
+    markdown = describe.reference([FOG])
+    assert "| [`fog@1`](#fog1) | Fog and mist | weather | Fogs. |" in markdown
+    assert "| **Ground** | | | | |\n| `height` | Height above ground | `1.0` | a number | . Ignored unless" in markdown
+    assert "<br>low (On the ground): at the ground |" in markdown
+    made = schema({"fog": FOG})["$defs"]["node.fog"]
+    assert (made["title"], made["x-category"]) == ("Fog and mist", "weather")
+    assert (made["x-region"], made["x-frames"]) == (True, True)
+    params = made["properties"]["params"]["properties"]
+    assert (params["height"]["title"], params["height"]["x-group"]) == ("Height above ground", "Ground")
+    assert params["kind"]["anyOf"][0]["x-enum-titles"] == ["Thin", "On the ground"]
+    assert params["kind"]["anyOf"][0]["enumDescriptions"] == ["little", "at the ground"]
+    assert [params[name]["x-animatable"] for name in ("kind", "height", "seed")] == [False, True, False]
+    assert [len(params[name]["anyOf"]) for name in ("kind", "height", "seed")] == [2, 3, 2]  # without and with a curve
+
+
+def test_every_node_of_the_package_has_a_place_in_menus():
+    for node in NODES:
+        assert node.category in CATEGORIES, node.type
+        assert not node.label.endswith(".")
+    assert len({node.label for node in NODES}) == len(NODES)
 
 
 def test_what_the_engine_adds_is_on_the_page():
@@ -65,7 +142,14 @@ def test_page_documentation_and_schema_agree(node):
     in_schema = schema({node.type: node})["$defs"][f"node.{node.type}"]["properties"]["params"]["properties"]
     assert in_schema.keys() == node.all_params.keys()
     for name, param in node.all_params.items():
-        assert squeezed(param.help) in page
+        assert squeezed(f"{param.label}: {param.help}") in page
+        assert param.label in markdown
+        assert in_schema[name]["title"] == param.label
+        assert in_schema[name].get("x-group", "") == param.group
+        assert in_schema[name]["x-animatable"] == param.animatable == (len(in_schema[name]["anyOf"]) == 3)
+        for said in (*describe.conditions(param), *describe.choices(param)):
+            assert squeezed(said) in page
+            assert said in markdown
         assert param.help.replace("|", "\\|") in markdown
         assert in_schema[name]["description"] == param.help
         assert squeezed(f"{name}: {describe.rule(param)}; {describe.default(param)}") in page

@@ -40,3 +40,10 @@ def test_named_channels_and_their_mistakes():
     np.testing.assert_array_equal(matte(normals), RGBA[..., 0])
     with pytest.raises(FlowabsError, match=r"no channel 'N\.W'.*did you mean"):
         matte(normals, channel="N.W")
+
+
+def test_of_depth_and_of_large_ids():
+    depth = Image.from_array(np.array([[2, 4, 1e10]]), type="depth")
+    np.testing.assert_array_equal(matte(depth, low=2, high=6)[0], [0, 0.5, 1])
+    ids = Image.from_array(np.array([[2**24, 2**24 + 1, 2**32 - 1]], np.uint32), type="id")
+    np.testing.assert_array_equal(matte(ids, low=2**24 + 1, high=2**24 + 1)[0], [0, 1, 1])

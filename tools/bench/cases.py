@@ -123,7 +123,7 @@ def _fill(plate: Plate) -> object:
 
 def _finish(plate: Plate) -> object:
     from flowabs_nodes.color.codes import Codes
-    from flowabs_nodes.finishing.fused import finish
+    from flowabs_nodes.finishing.finish import finish
     from flowabs_nodes.finishing.operations import Ink, Quantize
 
     operations = Quantize(8, 0.0), Ink(plate.lines, (0.0, 0.0, 0.0), 1.0)

@@ -6,6 +6,7 @@ import numpy as np
 
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
+from flowabs_nodes.nodes.regions import pixelwise
 
 
 def run_duotone(
@@ -31,6 +32,8 @@ def run_duotone(
 DUOTONE = Node(
     type="duotone",
     version=1,
+    label="Duotone print",
+    category="tone",
     help="Prints the picture in two inks, one for shadows and one for highlights.",
     doc="Lightness (CIE L*) picks the mix of the two inks. Alpha stays; above white the mix goes on.",
     inputs=(Port("image", "color", "The picture."),),
@@ -41,4 +44,5 @@ DUOTONE = Node(
         Param.float("balance", 0.0, min=-4, max=4, soft=(-1, 1), unit="stops", help="Above 0 towards the highlights."),
     ),
     run=run_duotone,
+    region=pixelwise("image"),  # each pixel from itself alone
 )

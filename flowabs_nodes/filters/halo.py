@@ -1,0 +1,73 @@
+"""How far each filter reads: its halo, in pixels to every side of the pixel that is computed.
+
+A filter's result on a window of a picture has the same bits when the filter gets that window and its halo alone: every
+sum runs over the same numbers in the same order, and streamlines are told apart by offsets from their pixel. Where the
+halo would reach beyond the picture it ends at the picture's edge, so that the border is repeated there as in the whole
+picture. Flows are taken to be unit tangents or shorter ones.
+
+Filters with a number that comes of the whole picture have no halo here: ``lic`` (its noise fills the array), ``canny``,
+``mean_shift``; and ``etf`` as soon as it fills tangents, chooses among kernels, or measures its gradient reference.
+"""
+
+from __future__ import annotations
+
+import math
+
+from flowabs_nodes.filters.gaussian import SURROUND, radius
+
+_SOBEL = 1  # pixels that a gradient reads to each side
+
+
+def blur(sigma: float) -> int:
+    """Return the halo of a Gaussian of ``sigma`` pixels, cut at ceil(3 sigma)."""
+    return radius(sigma)
+
+
+def dog(sigma_c: float) -> int:
+    """Return the halo of a difference of Gaussians (eq. 8), that of the wider one."""
+    return radius(SURROUND * sigma_c)
+
+
+def along(steps: int) -> int:
+    """Return the halo of so many steps of a pixel along a streamline or a line, with the pixel that samples reach."""
+    return steps + 1 if steps > 0 else 0
+
+
+def flow_blur(sigma: float) -> int:
+    """Return the halo of a Gaussian of ``sigma`` pixels along the flow."""
+    return along(radius(sigma))
+
+
+def etf(radius: float, iterations: int, pre_blur: float) -> int:
+    """Return the halo of ETF with a gradient reference that is a number, not adaptive, without fill."""
+    footprint = max(math.ceil(radius) - 1, 0)  # the open disc
+    return blur(pre_blur) + _SOBEL + iterations * footprint
+
+
+def fdog(sigma_m: float, sigma_c: float) -> int:
+    """Return the halo of eq. 6, or of eqs. 10 and 11: across the flow at every point along it."""
+    return flow_blur(sigma_m) + along(dog(sigma_c))
+
+
+def fdog_iterative(sigma_m: float, sigma_c: float, iterations: int, pre_blur: float) -> int:
+    """Return the halo of ``iterations`` passes of FDoG, each of a picture that is blurred first."""
+    return iterations * (blur(pre_blur) + fdog(sigma_m, sigma_c))
+
+
+def fbl(sigma_e: float, sigma_g: float, iterations: int) -> int:
+    """Return the halo of FBL, or of a bilateral filter along straight lines."""
+    return iterations * (flow_blur(sigma_e) + flow_blur(sigma_g))
+
+
+def bilateral_oriented(sigma_e: float, sigma_g: float, iterations: int, kernel: str) -> int:
+    """Return the halo of the oriented bilateral filter. An "arc" bends away by kappa s^2 / 2, kappa at most sqrt 2."""
+    if kernel == "line":
+        return fbl(sigma_e, sigma_g, iterations)
+    steps = radius(sigma_e)
+    arc = along(math.ceil(math.hypot(steps, steps * steps / math.sqrt(2))))
+    return iterations * (arc + flow_blur(sigma_g)) + 1  # the curvature reads the tangents beside the pixel
+
+
+def bilateral(sigma_d: float, iterations: int) -> int:
+    """Return the halo of ``iterations`` bilateral filters over +-ceil(3 sigma_d)."""
+    return iterations * radius(sigma_d)

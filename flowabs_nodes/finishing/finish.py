@@ -1,0 +1,44 @@
+"""Finish a picture: decode it and do the operations on its pixels, by the one fused kernel where that does them all."""
+
+from __future__ import annotations
+
+from flowabs_nodes.array_types import Array
+from flowabs_nodes.color.codes import Codes
+from flowabs_nodes.color.spaces import ColorSpace
+from flowabs_nodes.filters.compositing import inked
+from flowabs_nodes.finishing.fused import decoded, quantized
+from flowabs_nodes.finishing.in_bands import in_bands
+from flowabs_nodes.finishing.operations import Ink, Operation, Quantize, fused_with_decoding
+from flowabs_nodes.simd.finite import is_finite, refuse_non_finite
+
+
+def finish(codes: Codes, operations: tuple[Operation, ...], colorspace: ColorSpace) -> Array:
+    """Return the picture that code values decode to in ``colorspace``, with ``operations`` done on its pixels in order.
+
+    The result is scene-linear float32, (H, W, 3), or premultiplied (H, W, 4) if ``codes.under`` has alpha.
+    ArgumentError for code values that are not finite; others are those of
+    :func:`~flowabs_nodes.finishing.in_bands.in_bands`.
+    """
+    quantize, ink = fused_with_decoding(codes.space, operations)
+    rest = operations[(quantize is not None) + (ink is not None) :]
+    if not rest:
+        return decoded(codes, quantize, ink, colorspace)
+    if not is_finite(codes.values):  # counted here, where all are seen
+        refuse_non_finite("codes", codes.values)
+
+    def begin(first: int, last: int) -> Array:
+        """Return decoded rows."""
+        under = None if codes.under is None else codes.under[first:last]
+        lines = None if ink is None else ink._replace(lines=ink.lines[first:last])
+        return decoded(Codes(codes.values[first:last], codes.space, under), quantize, lines, colorspace)
+
+    return in_bands(codes.shape, begin, rest, colorspace)
+
+
+def finish_pixels(pixels: Array, operation: Operation, colorspace: ColorSpace) -> Array:
+    """Return a picture (H, W, C) of float32 pixels after one operation; errors are those of :func:`finish`."""
+    if isinstance(operation, Quantize):
+        return quantized(pixels, operation.levels, operation.softness, colorspace)
+    if isinstance(operation, Ink):
+        return inked(pixels, operation.lines, (*operation.color, operation.opacity))
+    return in_bands(pixels.shape, lambda first, last: pixels[first:last].copy(), (operation,), colorspace)

@@ -1,0 +1,95 @@
+"""Read which object each pixel of a render shows, from a Cryptomatte or a pass of whole numbers."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from flowabs_nodes.errors import ReadError
+from flowabs_nodes.image import Image
+from flowabs_nodes.io import cryptomatte, passes
+from flowabs_nodes.io.image_file import PictureFile
+from flowabs_nodes.io.layers import Selection
+from flowabs_nodes.io.passes import Layer
+from flowabs_nodes.io.read import Say, quiet
+from flowabs_nodes.io.read_passes import grey, image_of, opened
+from flowabs_nodes.io.settings import Settings
+from flowabs_nodes.port_types import TYPES
+
+
+def read_id(
+    path: str | os.PathLike[str],
+    *,
+    layer: str = "",
+    part: str | int = "",
+    settings: Settings | None = None,
+    note: Say = quiet,
+    warn: Say = quiet,
+) -> tuple[Image, Image]:
+    """Read an id pass: an id image, uint32, and as a mono the part of each pixel that its id covers, 0 to 1.
+
+    ``layer`` "" takes the Cryptomatte of objects, else a channel of whole numbers, by the usual names
+    (:data:`flowabs_nodes.io.passes.CRYPTOMATTE` and ``ID``), else the file's only Cryptomatte. Of a Cryptomatte the id
+    that covers most of a pixel is taken, 0 where the background does; its manifest goes along as metadata. Whole
+    numbers may be stored as uint, float or half; their coverage is 1, and -1 becomes 4294967295. Raises ReadError as
+    :func:`read_depth`, and where a channel's numbers are not whole.
+    """
+    with opened(path, settings, part) as (file, layers):
+        known = cryptomatte.declared(file.specs)
+        chosen = _id_layer(file, layers, layer, known)
+        if not layer:
+            note(f"layer {chosen.layer!r} is read")
+        if len(chosen.channels) == 4:
+            ids, coverage = cryptomatte.majority(file, layers, chosen)
+        else:
+            planes = file.read_native(chosen.part, chosen.channels)
+            ids = _whole(grey(np.stack([planes[name] for name in chosen.channels], axis=2), chosen))[..., 0]
+            coverage = np.ones(ids.shape, np.float32)
+        manifest = known.get(cryptomatte.base_name(chosen.layer), {}) if len(chosen.channels) == 4 else {}
+        return image_of(file, chosen, "id", ids, manifest), image_of(file, chosen, "mono", coverage, manifest)
+
+
+def _id_layer(file: PictureFile, layers: Sequence[Layer], layer: str, known: dict[str, dict[str, Any]]) -> Selection:
+    """Return four channels of a Cryptomatte's first level, or the channel of whole numbers, to read ids from."""
+    bases = set(known) | {
+        cryptomatte.base_name(each.name)
+        for each in layers
+        if passes.plain_name(each.name).startswith("crypto") and cryptomatte.first_level(each)
+    }
+    levels = [each for each in layers if cryptomatte.base_name(each.name) in bases and cryptomatte.first_level(each)]
+    if layer:
+        wanted = cryptomatte.base_name(layer)
+        if any(wanted in (base, base.rpartition(".")[2]) for base in bases):
+            names = passes.CRYPTOMATTE
+            return passes.find_named(file.specs, levels, wanted + "00", names, cryptomatte.first_level)
+        return passes.find_named(file.specs, layers, layer, passes.ID, Layer.single)
+    found = passes.find_usual(file.specs, levels, passes.CRYPTOMATTE, cryptomatte.first_level)
+    found = found or passes.find_usual(file.specs, layers, passes.ID, Layer.single)
+    if found is None and len(levels) == 1:
+        found = Selection(levels[0].part, levels[0].name, cryptomatte.first_level(levels[0]) or ())
+    if found is None:
+        usual = (*passes.CRYPTOMATTE.usual, *passes.ID.usual)
+        raise passes.missing(file.specs, layers, passes.ID._replace(usual=usual))
+    return found
+
+
+def _whole(numbers: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Return ids, uint32, of numbers of any type; -1 becomes 4294967295. Raises ReadError where some are not whole."""
+    if numbers.dtype.kind == "f":
+        numbers = numbers.astype(np.float64)
+    with np.errstate(invalid="ignore"):
+        wrong = int((numbers != np.floor(numbers)).sum()) + int(((numbers > 2**32 - 1) | (numbers < -(2**31))).sum())
+        if wrong:
+            raise ReadError(
+                f"{wrong} of the numbers are no ids: whole, and at most 4294967295",
+                code="wrong-layer",
+                hint="read_aov reads any numbers",
+                parameter="layer",
+            )
+    if numbers.dtype.kind == "f" and (numbers < 0).any():
+        numbers = numbers.astype(np.int64) & 0xFFFFFFFF
+    return TYPES["id"].cast(numbers, whole_floats=True)

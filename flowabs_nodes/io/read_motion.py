@@ -1,0 +1,106 @@
+"""Read the motion of a render, in whichever convention its renderer has, as Blender has it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+
+import numpy as np
+
+from flowabs_nodes.array_types import Array
+from flowabs_nodes.image import Image
+from flowabs_nodes.io import passes
+from flowabs_nodes.io.image_file import PictureFile
+from flowabs_nodes.io.layers import Selection, check_windows
+from flowabs_nodes.io.passes import Layer
+from flowabs_nodes.io.read import Say, quiet
+from flowabs_nodes.io.read_passes import HALF_MAX, image_of, is_half, opened
+from flowabs_nodes.io.settings import Settings
+
+#: A vector of Blender's that is as long as this, or longer, stands where there is no surface to move.
+NO_MOTION = 3e5
+
+
+def read_motion(
+    path: str | os.PathLike[str],
+    *,
+    layer: str = "",
+    part: str | int = "",
+    convention: str = "auto",
+    settings: Settings | None = None,
+    note: Say = quiet,
+    warn: Say = quiet,
+) -> Image:
+    """Read a motion pass as a motion image: pixels, y up, in Blender's convention whatever the file's is.
+
+    ``layer`` "" finds the layer by the usual names (:data:`flowabs_nodes.io.passes.MOTION`), or the two layers of
+    RenderMan (motionBack, motionFore) and Nuke (backward, forward).
+
+    Parameters
+    ----------
+    convention
+        "blender": X, Y lead to the place on the previous frame, -Z, -W to that on the next; kept as they are. "forward"
+        and "backward": the first two channels lead to the next or the previous frame; the other way is taken for the
+        opposite. "auto" takes X, Y, Z, W for "blender", a layer motionBack or backward for "backward", others for
+        "forward".
+
+    Where Blender found no surface it writes vectors of 3e5 and more (65504 in a half channel): these, NaN and Inf
+    become 0, and ``note`` is told how many. Raises ReadError as :func:`read_depth`.
+    """
+    with opened(path, settings, part) as (file, layers):
+        ways = _ways(file, layers, layer, convention)
+        found: dict[str, Array] = {}
+        for way, chosen in ways.items():
+            if not layer:
+                note(f"layer {chosen.layer!r} is read, as {way}")
+            found[way] = _moving(file.read(chosen.part, chosen.channels), is_half(file, chosen), note)
+        if "blender" in found:
+            pixels = found["blender"]
+        else:
+            check_windows(file.specs, tuple(ways.values()))
+            previous = found["backward"] if "backward" in found else 0 - found["forward"]
+            following = 0 - found["forward"] if "forward" in found else found["backward"]
+            pixels = np.concatenate([previous, following], axis=2)
+        return image_of(file, next(iter(ways.values())), "motion", pixels)
+
+
+def _ways(file: PictureFile, layers: Sequence[Layer], layer: str, convention: str) -> dict[str, Selection]:
+    """Return the layers of a motion by their convention: one of "blender", or one or both of the others."""
+
+    def pick(each: Layer) -> tuple[str, ...] | None:
+        four = convention == "blender" or (convention == "auto" and bool({"W", "w"} & set(each.channels)))
+        return each.vector(4 if four else 2)
+
+    def way(chosen: Selection) -> str:
+        if convention != "auto":
+            return convention
+        back = passes.plain_name(chosen.layer) in passes.MOTION_BACKWARD.usual
+        return "blender" if len(chosen.channels) == 4 else "backward" if back else "forward"
+
+    if layer:
+        chosen = passes.find_named(file.specs, layers, layer, passes.MOTION, pick)
+        return {way(chosen): chosen}
+    both = passes.find_usual(file.specs, layers, passes.MOTION, pick)
+    if both:
+        return {way(both): both}
+    single = {
+        name: found
+        for name, names in (("backward", passes.MOTION_BACKWARD), ("forward", passes.MOTION_FORWARD))
+        if convention in ("auto", name) and (found := passes.find_usual(file.specs, layers, names, pick))
+    }
+    if not single:
+        usual = (*passes.MOTION.usual, *passes.MOTION_FORWARD.usual, *passes.MOTION_BACKWARD.usual)
+        raise passes.missing(file.specs, layers, passes.MOTION._replace(usual=usual))
+    return single
+
+
+def _moving(pixels: Array, half: bool, note: Say) -> Array:
+    """Return vectors, pairs of channels of (H, W, 2 or 4), with 0, 0 in place of those that stand for no surface."""
+    pairs = pixels.reshape(*pixels.shape[:2], -1, 2)
+    with np.errstate(invalid="ignore"):
+        known = np.asarray((np.abs(pairs) < (HALF_MAX if half else NO_MOTION)).all(axis=3, keepdims=True))
+    still = np.count_nonzero(~known[..., 0].all(axis=2))
+    if not still:
+        return pixels
+    note(f"{still} pixels have no surface that could move: their motion is 0")
+    return np.where(known, pairs, np.float32(0)).reshape(pixels.shape)
