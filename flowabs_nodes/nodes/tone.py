@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flowabs_nodes.array_types import Array
+from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.finishing.deferred import with_operation
 from flowabs_nodes.finishing.operations import Quantize
 from flowabs_nodes.image import Image
@@ -16,7 +17,12 @@ def run_exposure(context: Context, image: Image, *, stops: float) -> Image:
     gain = np.float32(2.0**stops)
 
     def brighten(rows: Array, first_row: int) -> None:
-        rows[..., :3] *= gain
+        light = rows[..., :3]
+        largest = max(light.max(), -light.min())
+        if largest > np.finfo(np.float32).max / max(gain, 1):
+            message = f"stops: +{stops:g} takes the picture's largest light, {largest:.3g}, beyond float32"
+            raise ArgumentError(message, parameter="stops")
+        light *= gain
 
     return with_operation(image, brighten, context.node)
 

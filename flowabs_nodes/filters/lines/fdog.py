@@ -15,7 +15,7 @@ from flowabs_nodes.filters.lines.dog_line import across
 from flowabs_nodes.sampling.exact_sums import exact_sum
 from flowabs_nodes.simd.elementary import LOG2_E, exp2_of_negative
 from flowabs_nodes.simd.jit import kernel
-from flowabs_nodes.simd.lanes import absolute, select, splat_floats, sqrt
+from flowabs_nodes.simd.lanes import absolute, minimum, select, splat_floats, sqrt
 from flowabs_nodes.simd.memory import load, store
 from flowabs_nodes.simd.pixelwise import as_picture, as_run, empty_run, first_pixel, over_pixels
 
@@ -65,7 +65,7 @@ def fdog(
     ArgumentError
         For another shape or dtype, pixels that are not finite, or a parameter out of range.
     """
-    code = validate.plane_or_planes("code", code)
+    code = validate.plane_or_planes("code", code, summed=True)
     flow = validate.flow_field(flow, code.shape)
     detector = Detector.checked(sigma_m, sigma_c, rho, color_weight, kernel, sampling)
     return detector.response(as_planes(code if color_weight > 0 or code.ndim == 2 else code[..., 0]), flow)
@@ -129,5 +129,5 @@ def _join_channels(
             da, db = load(a, i) * weight, load(b, i) * weight
         # tanh(2 |d|) = (1 - e) / (1 + e) with e = exp(-4 |d|)
         e = exp2_of_negative(absolute(d) * (-4 * LOG2_E))
-        strength = (1.0 - e) / (1.0 + e) * sqrt(d * d + da * da + db * db)
+        strength = (1.0 - e) / (1.0 + e) * sqrt(minimum(d * d + da * da + db * db, 3e38))
         store(joined, i, select(d < 0.0, -strength, strength))
