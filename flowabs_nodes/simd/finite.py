@@ -55,14 +55,13 @@ def refuse_enormous(name: str, array: Array) -> None:
 def refuse_overflow(name: str, array: Array, result: Array) -> None:
     """Raise an ArgumentError if ``result``, of which each pixel comes from one of ``array``, is not finite.
 
-    Both are (H, W) or (H, W, C). It names the argument ``name``, and says where the first such pixel is and what it was.
+    Both are (H, W) or (H, W, C). It names the argument ``name``, and says where the first such pixel is, and what.
     """
     refuse_non_finite(name, array)
-    bad = ~np.isfinite(result)
-    bad = bad.any(axis=-1) if bad.ndim > 2 else bad
+    bad = ~np.isfinite(result.reshape(*array.shape[:2], -1)).all(axis=-1)
     if bad.any():
         first = " ".join(f"{number:.3g}" for number in np.atleast_1d(array[bad][0]))
-        found = f"found {bad.sum()} pixels of more, the first {first} at {_place(bad)}"
+        found = f"found larger ones in {bad.sum()} pixels, the first {first} at {_place(bad)}"
         raise ArgumentError(f"{name}: expected numbers whose result float32 can hold, {found}", parameter=name)
 
 

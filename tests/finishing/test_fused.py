@@ -181,5 +181,5 @@ def test_pixels_that_are_not_covered_come_out_as_they_went_in(alpha: float) -> N
 def test_code_values_beyond_light_are_refused(codes: tuple[float, ...], operations: tuple[Operation, ...]) -> None:
     values = color.encode(RGB)
     values[2, 3] = codes
-    with pytest.raises(ArgumentError, match=r"codes: .* found 1 pixels of more, the first .* at x 3, y 2"):
+    with pytest.raises(ArgumentError, match=r"codes: .* found larger ones in 1 pixels, the first .* at x 3, y 2"):
         finish(Codes(values, "lab"), operations, REC709)

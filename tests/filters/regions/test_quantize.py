@@ -33,7 +33,7 @@ def test_what_is_darker_than_black_stays_in_the_first_bin(lstar, levels, softnes
 
 
 def test_lightness_whose_bins_leave_float32_is_refused():
-    with pytest.raises(ArgumentError, match="lstar: .* found 1 pixels of more, the first 3e.38 at x 2, y 1"):
+    with pytest.raises(ArgumentError, match=r"lstar: .* the first 3e\+38 at x 2, y 1"):
         quantize([[1, 2, 3], [4, 5, 3e38]], levels=1000)
 
 
