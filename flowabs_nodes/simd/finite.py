@@ -58,7 +58,7 @@ def refuse_overflow(name: str, array: Array, result: Array) -> None:
     Both are (H, W) or (H, W, C). It names the argument ``name``, and says where the first such pixel is, and what.
     """
     refuse_non_finite(name, array)
-    bad = ~np.isfinite(result.reshape(*array.shape[:2], -1)).all(axis=-1)
+    bad = np.asarray(~np.isfinite(result.reshape(*array.shape[:2], -1)).all(axis=-1))
     if bad.any():
         first = " ".join(f"{number:.3g}" for number in np.atleast_1d(array[bad][0]))
         found = f"found larger ones in {bad.sum()} pixels, the first {first} at {_place(bad)}"
