@@ -2,7 +2,7 @@
 
 The kernels take pictures as runs of pixels (:mod:`~flowabs_nodes.simd.pixelwise`), and a run of no pixels for a result
 that is not wanted or a picture that there is not. ``first`` and ``last`` bound blocks of sixteen pixels. Each kernel
-returns whether it met a number that is not finite.
+returns whether it met a number that is not finite, or made one.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.color import constants
 from flowabs_nodes.simd.elementary import exp2, log2
+from flowabs_nodes.simd.finite import zero_if_summable
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import select, splat_floats
 from flowabs_nodes.simd.matrix3 import Rows, mix, mix_second_row
@@ -61,12 +62,16 @@ def encode(
     for block in range(first, last):
         i = first_pixel(block, count)
         r, g, b = load_rgb_over_ground(pixels, channels, ground, i)
-        total = total + (zero_or_nan(r) + zero_or_nan(g) + zero_or_nan(b))
+        total = total + zero_or_nan(r + (g + b))
         if mono.size > 0:
-            store(mono, i, _code(mix_second_row(to_ap1.luminance, r, g, b)))
+            lightness = _code(mix_second_row(to_ap1.luminance, r, g, b))
+            total = total + zero_if_summable(lightness)
+            store(mono, i, lightness)
         if codes.size > 0:
             r, g, b = mix(to_ap1.channels, r, g, b)
-            store_triples(codes, 3 * i, (_code(r), _code(g), _code(b)))
+            r, g, b = _code(r), _code(g), _code(b)
+            total = total + zero_if_summable(r + (g + b))
+            store_triples(codes, 3 * i, (r, g, b))
     return any_nan(total)
 
 
@@ -78,7 +83,8 @@ def decode(first: int, last: int, codes: Array, from_ap1: Rows, under: Array, pi
         i = first_pixel(block, count)
         r, g, b = load_triples(codes, 3 * i)
         total = total + (zero_or_nan(r) + zero_or_nan(g) + zero_or_nan(b))
-        store_over(to_rgb(r, g, b, from_ap1), under, pixels, i)
+        red, green, blue = store_over(to_rgb(r, g, b, from_ap1), under, pixels, i)
+        total = total + (zero_or_nan(red) + zero_or_nan(green) + zero_or_nan(blue))
     return any_nan(total)
 
 

@@ -19,10 +19,11 @@ from flowabs_nodes.color import acescct, lab
 from flowabs_nodes.color.lookup import space as find_space
 from flowabs_nodes.color.spaces import KNOWN, ColorSpace, normalised, to_ap1
 from flowabs_nodes.errors import ArgumentError, nearest
-from flowabs_nodes.simd.finite import refuse_non_finite
+from flowabs_nodes.simd.finite import ROOM, refuse_overflow
 from flowabs_nodes.simd.known_finite import mark_finite
 from flowabs_nodes.simd.matrix3 import Rows, rows
 from flowabs_nodes.simd.pixelwise import as_picture, as_run, empty_run, over_pixels
+from flowabs_nodes.simd.premultiplied import TINY
 
 NOTHING = np.empty(0, np.float32)  # the run of pixels of a picture that there is not
 BARE = -1.0  # the "ground" that stands for none: colours are divided by their alpha
@@ -109,13 +110,25 @@ def encoded(
     else:
         matrix_pair = acescct.ToAp1(forward, to_luminance)
         bad = over_pixels(acescct.encode, count, run, channels, float(ground), matrix_pair, colors, lightness)
+    colors = as_picture(colors, *((height, width) if codes else (0, 0)), 3)
+    lightness = as_picture(lightness, *((height, width) if mono else (0, 0)))
     if any(bad):
-        refuse_non_finite("rgb", pixels)
-        raise ArgumentError("rgb: divided by alpha, there are pixels beyond float32", parameter="rgb")
-    return (
-        mark_finite(as_picture(colors, *((height, width) if codes else (0, 0)), 3)),
-        mark_finite(as_picture(lightness, *((height, width) if mono else (0, 0)))),
-    )
+        _refuse_to_encode(pixels, ground, colors if codes else lightness[..., None])
+    return mark_finite(colors), mark_finite(lightness)
+
+
+def _refuse_to_encode(pixels: Array, ground: float, codes: Array) -> None:
+    """Raise an ArgumentError for pixels that are not finite over the ground, or whose code values are not, or enormous.
+
+    ``ground`` is that of :func:`encoded`, ``codes`` what became of the pixels.
+    """
+    seen = pixels[..., :3]
+    with np.errstate(all="ignore"):
+        if pixels.shape[2] == 4:
+            alpha = pixels[..., 3:]
+            seen = np.where(alpha > TINY, seen / alpha, 0) if ground < 0 else seen + (1 - alpha) * np.float32(ground)
+        refuse_overflow("rgb", pixels, seen)
+        refuse_overflow("rgb", pixels, codes * np.float32(ROOM))
 
 
 @dataclass(frozen=True)
@@ -158,7 +171,7 @@ class Codes:
         pixels = empty_run(count, channels)
         decode = lab.decode if self.space == "lab" else acescct.decode
         if any(over_pixels(decode, count, run, matrices(self.space, colorspace).backward, below, pixels)):
-            refuse_non_finite("codes", self.values)
+            refuse_overflow("codes", self.values, as_picture(pixels, height, width, channels))
         return mark_finite(as_picture(pixels, height, width, channels))
 
 

@@ -5,7 +5,7 @@ offset to cancel against, and black, tiny and negative values keep all their dig
 
 They take pictures as runs of pixels (:mod:`~flowabs_nodes.simd.pixelwise`), and a run of no pixels for a result that is
 not wanted or a picture that there is not. ``first`` and ``last`` bound blocks of sixteen pixels. Each kernel returns
-whether it met a number that is not finite. Matrices from and to XYZ are over the white of the space.
+whether it met a number that is not finite, or made one. Matrices from and to XYZ are over the white of the space.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from typing import Any
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.color import constants
 from flowabs_nodes.simd.elementary import cube_root
+from flowabs_nodes.simd.finite import zero_if_summable
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import select, splat_floats
 from flowabs_nodes.simd.matrix3 import Rows, mix, mix_second_row
@@ -57,13 +58,16 @@ def encode(
     for block in range(first, last):
         i = first_pixel(block, count)
         r, g, b = load_rgb_over_ground(pixels, channels, ground, i)
-        total = total + (zero_or_nan(r) + zero_or_nan(g) + zero_or_nan(b))
-        gy = g_of(mix_second_row(to_xyz, r, g, b))
+        gy = g_of(mix_second_row(to_xyz, r, g, b))  # not finite if a channel is not: the cube root keeps Inf and NaN
+        lightness = L * gy
         if mono.size > 0:
-            store(mono, i, L * gy)
+            total = total + zero_if_summable(lightness)
+            store(mono, i, lightness)
         if codes.size > 0:
             x, _, z = mix(to_xyz, r, g, b)
-            store_triples(codes, 3 * i, (L * gy, A * (g_of(x) - gy), B * (gy - g_of(z))))
+            a_star, b_star = A * (g_of(x) - gy), B * (gy - g_of(z))
+            total = total + zero_if_summable(lightness + (a_star + b_star))
+            store_triples(codes, 3 * i, (lightness, a_star, b_star))
     return any_nan(total)
 
 
@@ -74,8 +78,8 @@ def decode(first: int, last: int, codes: Array, from_xyz: Rows, under: Array, pi
     for block in range(first, last):
         i = first_pixel(block, count)
         lightness, a, b = load_triples(codes, 3 * i)
-        total = total + (zero_or_nan(lightness) + zero_or_nan(a) + zero_or_nan(b))
-        store_over(to_rgb(lightness, a, b, from_xyz), under, pixels, i)
+        red, green, blue = store_over(to_rgb(lightness, a, b, from_xyz), under, pixels, i)
+        total = total + (zero_or_nan(red) + zero_or_nan(green) + zero_or_nan(blue))
     return any_nan(total)
 
 

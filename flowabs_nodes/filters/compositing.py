@@ -11,7 +11,7 @@ import numpy.typing as npt
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import validate
-from flowabs_nodes.simd.finite import refuse_non_finite
+from flowabs_nodes.simd.finite import refuse_non_finite, refuse_overflow
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import splat_floats
 from flowabs_nodes.simd.memory import load, store_quads, store_triples
@@ -70,18 +70,20 @@ def inked(pixels: Array, lines: Array, ink: InkColor, alpha: Array | None = None
     channels = pixels.shape[2]
     drawing, coverage = as_run(lines), np.empty(0, np.float32) if alpha is None else as_run(alpha)
     result = empty_run(lines.size, channels)
+    picture = as_picture(result, *pixels.shape)
     if any(over_pixels(_composite, drawing.size, as_run(pixels, channels), channels, drawing, ink, coverage, result)):
         for name, array in (("rgb", pixels), ("lines", lines), ("alpha", alpha)):
             if array is not None:
                 refuse_non_finite(name, array)
-    return as_picture(result, *pixels.shape)
+        refuse_overflow("rgb" if alpha is None else "alpha", pixels if alpha is None else alpha, picture)
+    return picture
 
 
 @kernel
 def _composite(
     first: int, last: int, pixels: Array, channels: int, lines: Array, ink: InkColor, alpha: Array, result: Array
 ) -> bool:
-    """Write the blocks of sixteen pixels ``first`` .. ``last`` - 1, and return whether any number was not finite.
+    """Write the blocks of sixteen pixels ``first`` .. ``last`` - 1, and return whether one is not finite.
 
     ``pixels`` and ``result`` are (H, W, channels) flattened, ``lines`` and ``alpha`` (H, W); an empty ``alpha`` stands
     for the picture's own, or 1.
@@ -93,8 +95,8 @@ def _composite(
         if alpha.size > 0:
             a = load(alpha, i)
         line = load(lines, i)
-        total = total + (zero_or_nan(r) + zero_or_nan(g) + zero_or_nan(b)) + (zero_or_nan(a) + zero_or_nan(line))
-        r, g, b = over(r, g, b, a, line, ink)
+        r, g, b = over(r, g, b, a, line, ink)  # not finite if one of these is not
+        total = total + (zero_or_nan(r) + zero_or_nan(g) + zero_or_nan(b))
         if channels == 4:
             store_quads(result, 4 * i, (r, g, b, a))
         else:

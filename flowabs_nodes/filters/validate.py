@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ArgumentError, nearest
-from flowabs_nodes.simd.finite import is_finite, refuse_non_finite
+from flowabs_nodes.simd.finite import is_finite, is_summable, refuse_enormous, refuse_non_finite
 
 
 def plane(name: str, value: npt.ArrayLike, shape: tuple[int, ...] | None = None, *, check_finite: bool = True) -> Array:
@@ -26,21 +26,27 @@ def plane(name: str, value: npt.ArrayLike, shape: tuple[int, ...] | None = None,
     return _fitting(name, _array(name, value, "(H, W)", lambda found: len(found) == 2, check_finite), shape)
 
 
-def planes(name: str, value: npt.ArrayLike, *, check_finite: bool = True) -> Array:
-    """Return ``value`` as (H, W, 3) finite float32; ``check_finite`` as for :func:`plane`."""
-    return _array(name, value, "(H, W, 3)", lambda shape: len(shape) == 3 and shape[2] == 3, check_finite)
+def planes(name: str, value: npt.ArrayLike, *, check_finite: bool = True, summed: bool = False) -> Array:
+    """Return ``value`` as (H, W, 3) finite float32; ``check_finite`` as for :func:`plane`.
+
+    ``summed`` is True for a filter whose sums would leave float32 if numbers were larger than 1.04e34
+    (:data:`~flowabs_nodes.simd.finite.LARGEST`): such numbers are refused as well.
+    """
+    return _array(name, value, "(H, W, 3)", lambda shape: len(shape) == 3 and shape[2] == 3, check_finite, summed)
 
 
-def plane_or_planes(name: str, value: npt.ArrayLike) -> Array:
-    """Return ``value`` as (H, W) or (H, W, 3) finite float32."""
-    return _array(
-        name, value, "(H, W) or (H, W, 3)", lambda shape: len(shape) == 2 or (len(shape) == 3 and shape[2] == 3)
-    )
+def plane_or_planes(name: str, value: npt.ArrayLike, *, summed: bool = False) -> Array:
+    """Return ``value`` as (H, W) or (H, W, 3) finite float32; ``summed`` as for :func:`planes`."""
+
+    def fits(shape: tuple[int, ...]) -> bool:
+        return len(shape) == 2 or (len(shape) == 3 and shape[2] == 3)
+
+    return _array(name, value, "(H, W) or (H, W, 3)", fits, summed=summed)
 
 
-def any_channels(name: str, value: npt.ArrayLike) -> Array:
-    """Return ``value`` as (H, W) or (H, W, C) finite float32."""
-    return _array(name, value, "(H, W) or (H, W, C)", lambda shape: len(shape) in (2, 3))
+def any_channels(name: str, value: npt.ArrayLike, *, summed: bool = False) -> Array:
+    """Return ``value`` as (H, W) or (H, W, C) finite float32; ``summed`` as for :func:`planes`."""
+    return _array(name, value, "(H, W) or (H, W, C)", lambda shape: len(shape) in (2, 3), summed=summed)
 
 
 def flow_field(value: npt.ArrayLike, shape: tuple[int, ...] | None = None, name: str = "flow") -> Array:
@@ -110,7 +116,12 @@ def flag(name: str, value: Any) -> bool:
 
 
 def _array(
-    name: str, value: npt.ArrayLike, shapes: str, fits: Callable[[tuple[int, ...]], bool], check_finite: bool = True
+    name: str,
+    value: npt.ArrayLike,
+    shapes: str,
+    fits: Callable[[tuple[int, ...]], bool],
+    check_finite: bool = True,
+    summed: bool = False,
 ) -> Array:
     """Return ``value`` as float32 if its shape ``fits``; ``shapes`` says in words which shapes do."""
     array = np.asarray(value)
@@ -126,6 +137,7 @@ def _array(
         raise ArgumentError(f"{name}: expected fewer than 2^29 pixels, found {array.shape}", parameter=name)
     with np.errstate(over="ignore"):  # numbers beyond float32 become Inf
         result: Array = np.ascontiguousarray(array, np.float32)
-    if check_finite and not is_finite(result):
+    if check_finite and not (is_summable(result) if summed else is_finite(result)):
         refuse_non_finite(name, result)
+        refuse_enormous(name, result)
     return result

@@ -5,11 +5,11 @@ from __future__ import annotations
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.color.codes import Codes
 from flowabs_nodes.color.spaces import ColorSpace
+from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters.compositing import inked
 from flowabs_nodes.finishing.fused import decoded, quantized
 from flowabs_nodes.finishing.in_bands import in_bands
 from flowabs_nodes.finishing.operations import Ink, Operation, Quantize, fused_with_decoding
-from flowabs_nodes.simd.finite import is_finite, refuse_non_finite
 
 
 def finish(codes: Codes, operations: tuple[Operation, ...], colorspace: ColorSpace) -> Array:
@@ -23,14 +23,16 @@ def finish(codes: Codes, operations: tuple[Operation, ...], colorspace: ColorSpa
     rest = operations[(quantize is not None) + (ink is not None) :]
     if not rest:
         return decoded(codes, quantize, ink, colorspace)
-    if not is_finite(codes.values):  # counted here, where all are seen
-        refuse_non_finite("codes", codes.values)
 
     def begin(first: int, last: int) -> Array:
         """Return decoded rows."""
         under = None if codes.under is None else codes.under[first:last]
         lines = None if ink is None else ink._replace(lines=ink.lines[first:last])
-        return decoded(Codes(codes.values[first:last], codes.space, under), quantize, lines, colorspace)
+        try:
+            return decoded(Codes(codes.values[first:last], codes.space, under), quantize, lines, colorspace)
+        except ArgumentError:
+            decoded(codes, quantize, ink, colorspace)  # counts and places what is wrong in the whole picture
+            raise
 
     return in_bands(codes.shape, begin, rest, colorspace)
 

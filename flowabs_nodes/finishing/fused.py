@@ -2,7 +2,7 @@
 
 The kernels take pictures as runs of pixels (:mod:`~flowabs_nodes.simd.pixelwise`), and a run of no pixels where there
 is no such picture: codes (pixels x 3), ``under`` (pixels x 4, premultiplied RGBA), lines (pixels). ``first`` and
-``last`` bound blocks of sixteen pixels. Each kernel returns whether it met a number that is not finite.
+``last`` bound blocks of sixteen pixels. Each kernel returns whether it wrote a number that is not finite.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from flowabs_nodes.color.spaces import ColorSpace
 from flowabs_nodes.filters.compositing import InkColor, over
 from flowabs_nodes.filters.regions.quantize import Steps, middle
 from flowabs_nodes.finishing.operations import Ink, Quantize
-from flowabs_nodes.simd.finite import refuse_non_finite
+from flowabs_nodes.simd.finite import refuse_overflow
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.known_finite import mark_finite
-from flowabs_nodes.simd.lanes import absolute, maximum, select, splat_floats
+from flowabs_nodes.simd.lanes import maximum, minimum, select, splat_floats
 from flowabs_nodes.simd.matrix3 import Rows, mix_second_row
 from flowabs_nodes.simd.memory import load, load_triples, store_quads, store_triples
 from flowabs_nodes.simd.pixelwise import any_nan, as_picture, as_run, empty_run, first_pixel, over_pixels, zero_or_nan
-from flowabs_nodes.simd.premultiplied import load_rgb_over_ground, load_rgba, premultiplied_over
+from flowabs_nodes.simd.premultiplied import TINY, load_rgb_over_ground, load_rgba, premultiplied_over
 
 _NO_STEPS: Steps = (0.0, 0.0)
 _NO_INK: InkColor = (0.0, 0.0, 0.0, 0.0)
@@ -54,9 +54,10 @@ def decoded(codes: Codes, quantize: Quantize | None, ink: Ink | None, colorspace
         bad = over_pixels(_finish_lab, count, run, backward, steps, below, drawing, pixels)
     else:
         bad = over_pixels(_finish_acescct, count, run, backward, below, drawing, pixels)
+    picture = as_picture(pixels, height, width, channels)
     if any(bad):
-        refuse_non_finite("codes", codes.values)
-    return mark_finite(as_picture(pixels, height, width, channels))
+        refuse_overflow("codes", codes.values, picture)
+    return mark_finite(picture)
 
 
 def quantized(pixels: Array, levels: int, softness: float, colorspace: ColorSpace) -> Array:
@@ -69,9 +70,10 @@ def quantized(pixels: Array, levels: int, softness: float, colorspace: ColorSpac
     run = as_run(pixels, channels)
     count = run.size // channels
     flat, forward = empty_run(count, channels), matrices("lab", colorspace).forward
+    picture = as_picture(flat, *pixels.shape)
     if any(over_pixels(_quantize, count, run, channels, forward, (levels / 100, softness), flat)):
-        refuse_non_finite("rgb", pixels)
-    return mark_finite(as_picture(flat, *pixels.shape))
+        refuse_overflow("rgb", pixels, picture)
+    return mark_finite(picture)
 
 
 # Alpha and ink stand in both kernels: a function of them that branches on arrays takes the kernel twice the time.
@@ -87,7 +89,6 @@ def _finish_lab(
     for block in range(first, last):
         i = first_pixel(block, count)
         lightness, a, b = load_triples(codes, 3 * i)
-        total = total + (zero_or_nan(lightness) + zero_or_nan(a) + zero_or_nan(b))
         red, green, blue = lab.to_rgb(lightness, a, b, from_xyz)
         if steps[0] > 0:
             gain = _gain(lightness * (1 / lab.L), steps)
@@ -97,6 +98,7 @@ def _finish_lab(
             red, green, blue, alpha = premultiplied_over(red, green, blue, under, i)
         if lines.size > 0:
             red, green, blue = over(red, green, blue, alpha, load(lines, i), ink)
+        total = total + (zero_or_nan(red) + zero_or_nan(green) + zero_or_nan(blue))
         if under.size > 0:
             store_quads(pixels, 4 * i, (red, green, blue, alpha))
         else:
@@ -114,13 +116,14 @@ def _finish_acescct(
     for block in range(first, last):
         i = first_pixel(block, count)
         r, g, b = load_triples(codes, 3 * i)
-        total = total + (zero_or_nan(r) + zero_or_nan(g) + zero_or_nan(b))
+        total = total + (zero_or_nan(r) + zero_or_nan(g) + zero_or_nan(b))  # acescct decodes an Inf to a finite number
         red, green, blue = acescct.to_rgb(r, g, b, from_ap1)
         alpha = splat_floats(1.0)
         if under.size > 0:
             red, green, blue, alpha = premultiplied_over(red, green, blue, under, i)
         if lines.size > 0:
             red, green, blue = over(red, green, blue, alpha, load(lines, i), ink)
+        total = total + (zero_or_nan(red) + zero_or_nan(green) + zero_or_nan(blue))
         if under.size > 0:
             store_quads(pixels, 4 * i, (red, green, blue, alpha))
         else:
@@ -135,19 +138,27 @@ def _quantize(first: int, last: int, pixels: Array, channels: int, to_xyz: Rows,
     for block in range(first, last):
         i = first_pixel(block, count)
         r, g, b = load_rgb_over_ground(pixels, channels, BARE, i)
-        total = total + (zero_or_nan(r) + zero_or_nan(g) + zero_or_nan(b))
         gain = _gain(lab.g_of(mix_second_row(to_xyz, r, g, b)), steps)
         r, g, b, a = load_rgba(pixels, channels, i)
-        gain = select(absolute(a) > 0.0, gain, splat_floats(1.0))
+        gain = select(a > TINY, gain, splat_floats(1.0))
+        r, g, b = r * gain, g * gain, b * gain
+        total = total + (zero_or_nan(r) + zero_or_nan(g) + zero_or_nan(b))
         if channels == 4:
-            store_quads(flat, 4 * i, (r * gain, g * gain, b * gain, a))
+            store_quads(flat, 4 * i, (r, g, b, a))
         else:
-            store_triples(flat, 3 * i, (r * gain, g * gain, b * gain))
+            store_triples(flat, 3 * i, (r, g, b))
     return any_nan(total)
 
 
 @inlined
 def _gain(gy: Any, steps: Steps) -> Any:
-    """Return the gain Y(Q) / Y(max(L*, 1)) of sixteen pixels, where L* = 116 ``gy`` (color/lab.py)."""
+    """Return the gain on the RGB of sixteen pixels that takes L* = 116 ``gy`` (color/lab.py) to Q.
+
+    It is Y(Q) / Y(L*) from L* 8 up, and comes down to 1 at L* 1: Y(L*) is next to nothing there, and so is the pixel,
+    but for noise. At and below zero luminance a pixel stays what it is.
+    """
     lightness = 116.0 * gy
-    return lab.g_inverse(middle(lightness, steps) * (1 / 116)) / lab.g_inverse(maximum(lightness, 1.0) * (1 / 116))
+    above = maximum(lightness, 1.0)
+    gain = lab.g_inverse(middle(lightness, steps) * (1 / 116)) / lab.g_inverse(above * (1 / 116))
+    share = minimum(above * (1 / 7) - (1 / 7), 1.0)
+    return gain * share + (1.0 - share)

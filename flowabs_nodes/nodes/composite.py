@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flowabs_nodes import color, filters
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.choices import MIXING_SPACES
 from flowabs_nodes.finishing.deferred import with_operation
 from flowabs_nodes.finishing.operations import Ink
@@ -30,9 +31,7 @@ def run_composite(
         if space == "linear":
             results["image"] = with_operation(image, Ink(drawing, ink, opacity))
         else:
-            ink_code = color.encode(np.array([[ink]], np.float32), space=space, colorspace=image.colorspace)[0, 0]
-            mixed = filters.composite(image.encoded(space), drawing, ink=tuple(map(float, ink_code)), opacity=opacity)
-            results["image"] = image.with_codes(mixed, space)
+            results["image"] = image.with_codes(_mixed_in_code_values(image, drawing, ink, opacity, space), space)
     if "ink" in context.wanted or not context.wanted:
         k = (1 - drawing) * np.float32(opacity)
         alone = np.empty((*k.shape, 4), np.float32)
@@ -40,6 +39,30 @@ def run_composite(
         alone[..., 3] = k
         results["ink"] = image.with_pixels(alone, "color")
     return results
+
+
+def _mixed_in_code_values(
+    image: Image, drawing: Array, ink: tuple[float, float, float], opacity: float, space: str
+) -> Array:
+    """Return the code values (H, W, 3) of the picture with ink, mixed in ``space``; in light where there is none.
+
+    A pixel of no luminance, or less, has no lightness to mix: its channels, some above and some below zero, would not
+    come closer to the ink together.
+    """
+    codes = image.encoded(space)
+    ink_code = color.encode(np.array([[ink]], np.float32), space=space, colorspace=image.colorspace)[0, 0]
+    mixed = filters.composite(codes, drawing, ink=tuple(map(float, ink_code)), opacity=opacity)
+    black = color.encode(np.zeros((1, 1, 3), np.float32), space=space)[0, 0, 0]
+    dark = codes[..., 0] <= black
+    if space == "acescct":  # one of its channels must be at or below zero, as all of them count in luminance
+        dark |= (codes[..., 1] <= black) | (codes[..., 2] <= black)
+    if dark.any():
+        rgb = color.decode(codes[dark][None], space=space, colorspace=image.colorspace)
+        inked = filters.composite(rgb, drawing[dark][None], ink, opacity)
+        lightless = color.luminance(rgb, image.colorspace) <= 0
+        inked_codes = color.encode(inked, space=space, colorspace=image.colorspace)
+        mixed[dark] = np.where(lightless[..., None], inked_codes, mixed[dark][None])[0]
+    return mixed
 
 
 COMPOSITE = Node(
@@ -50,7 +73,8 @@ COMPOSITE = Node(
     help="Lays lines over a picture in any ink.",
     doc=(
         "With k = (1 - lines) x opacity: rgb (1 - k) + ink A k, alpha as it was. In linear light, highlights eat "
-        "ink that is not fully opaque; space lab or acescct mixes in code values instead, as the eye sees it."
+        "ink that is not fully opaque; space lab or acescct mixes in code values instead, as the eye sees it, but "
+        "for pixels at or below zero luminance."
     ),
     inputs=(
         Port("image", "color", "The picture, usually flattened."),

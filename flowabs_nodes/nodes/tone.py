@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flowabs_nodes.array_types import Array
+from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.finishing.deferred import with_operation
 from flowabs_nodes.finishing.operations import Quantize
 from flowabs_nodes.image import Image
@@ -13,10 +14,15 @@ from flowabs_nodes.nodes.regions import pixelwise
 
 
 def run_exposure(context: Context, image: Image, *, stops: float) -> Image:
-    gain = np.float32(2.0**stops)
+    gain = 2.0**stops
 
     def brighten(rows: Array, first_row: int) -> None:
-        rows[..., :3] *= gain
+        light = rows[..., :3]
+        largest = max(float(light.max()), -float(light.min()))
+        if largest * gain > np.finfo(np.float32).max:
+            message = f"stops: +{stops:g} takes the picture's largest light, {largest:.3g}, beyond float32"
+            raise ArgumentError(message, parameter="stops")
+        light *= np.float32(gain)
 
     return with_operation(image, brighten, context.node)
 
@@ -51,7 +57,8 @@ QUANTIZE = Node(
     help="Flattens lightness to a few levels, like poster paint.",
     doc=(
         "The paper's region flattening (section 4.1): L* falls into bins of equal size. A gain on scene-linear RGB, "
-        "so that hue stays and no negative value is made; bins go on above white."
+        "so that hue stays and no negative value is made; bins go on above white. Between L* 8 and 1 the gain comes "
+        "down to 1: what is darker, and noise below zero, stays what it is."
     ),
     inputs=(Port("image", "color", "The picture, usually smoothed by fbl."),),
     outputs=(Port("image", "color", "The flattened picture."),),

@@ -19,9 +19,8 @@ from flowabs_nodes.sampling.coords import Raster, bilinear_coords, nearest_pixel
 from flowabs_nodes.simd.jit import inline, inlined
 from flowabs_nodes.simd.lanes import LANES, Doubles, Floats, select
 from flowabs_nodes.simd.memory import gather_octets, gather_quads, load, prefetch, prefetch_for_write, scratch, store
+from flowabs_nodes.simd.premultiplied import TINY
 
-#: Alpha up to which a sample has no colour.
-TINY = np.float32(1e-20)
 #: How many pixels ahead of the pixel at work memory is fetched.
 PREFETCH_AHEAD = 128
 

@@ -17,7 +17,10 @@ LOG2_E = 1.4426950408889634
 
 @inlined
 def cube_root(x: Floats) -> Floats:
-    """Return x^(1/3) of a normal x > 0, within 2 units in the last place; for any other x the result is undefined."""
+    """Return x^(1/3) of a normal x > 0, within 2 units in the last place.
+
+    Of Inf and NaN it is not finite; for any other x it is undefined.
+    """
     # The bits of a float are nearly 2^23 (log2 x + 127), so a third of them gives 1/cbrt(x), here within 6 % ...
     y = from_bits(to_ints(1418608640.0 - to_floats(bits_of(x)) * (1 / 3)))
     # ... which p(x y^3), p(c) ~ c^(-1/3) on 0.667 .. 0.791, takes to 2.7e-5,

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from flowabs_nodes import color
+from flowabs_nodes.color.codes import encoded
 from flowabs_nodes.color.spaces import KNOWN, SOURCES, normalised, to_ap1
 from flowabs_nodes.errors import ArgumentError, ColorError
 from flowabs_nodes.simd import bands
@@ -226,3 +227,35 @@ def test_matrices_keep_white():
     for space in KNOWN.values():
         np.testing.assert_allclose(normalised(space).sum(axis=1), 1, atol=1e-15)
         np.testing.assert_allclose(to_ap1(space).sum(axis=1), 1, atol=1e-15)
+
+
+@BOTH
+@pytest.mark.parametrize("light", [np.nan, np.inf, -np.inf, -3e38, -1e35, -2e31])
+@pytest.mark.parametrize("channels", [[0], [1], [2], [0, 1, 2]])
+def test_light_without_code_values_is_refused(space, light, channels):
+    rgb = np.full((5, 9, 3), 0.5, np.float32)
+    rgb[3, 4, channels] = light
+    if light != -2e31 or 1 in channels:  # one channel may count too little to be beyond
+        with pytest.raises(ArgumentError, match=r"rgb: .* the first .*at x 4, y 3"):
+            color.encode(rgb, space)
+        with pytest.raises(ArgumentError, match=r"rgb: .* the first .*at x 4, y 3"):
+            color.encode_mono(rgb, space)
+
+
+@BOTH
+@pytest.mark.parametrize("light", [3e38, 1e30, -1e30, -1e20])
+def test_enormous_light_comes_back(space, light):
+    rgb = np.full((5, 9, 3), 0.5, np.float32)
+    rgb[3, 4] = light
+    if space == "lab" or light < 2e38:
+        np.testing.assert_allclose(color.decode(color.encode(rgb, space), space), rgb, rtol=1e-4)
+
+
+@BOTH
+def test_light_that_alpha_divides_beyond_float32_is_refused_with_its_place(space):
+    rgba = np.full((5, 9, 4), 0.5, np.float32)
+    rgba[3, 4] = (1e20, 1, 1, 1e-19)
+    with pytest.raises(ArgumentError, match=r"rgb: .* the first 1e\+20 1 1 1e-19 at x 4, y 3"):
+        encoded(rgba, space, color.space("lin_rec709"))
+    rgba[3, 4, 3] = 1e-20  # counts as 0
+    assert np.isfinite(encoded(rgba, space, color.space("lin_rec709"))[0]).all()

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from flowabs_nodes import color, filters
-from flowabs_nodes.color.codes import Codes
+from flowabs_nodes.color.codes import Codes, encoded
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.finishing.finish import finish
-from flowabs_nodes.finishing.fused import quantized
+from flowabs_nodes.finishing.fused import decoded, quantized
 from flowabs_nodes.finishing.operations import Ink, Operation, Quantize
+from tests.naive import quantize as naive
 
 REC709 = color.space("lin_rec709")
 SHAPE = (5, 21)
@@ -101,3 +102,84 @@ def test_pixels_that_are_not_finite_are_counted() -> None:
     rgb[0, :2, 0] = np.nan
     with pytest.raises(ArgumentError, match="found 2 that are NaN or Inf"):
         quantized(rgb, 4, 0.0, REC709)
+
+
+@pytest.mark.parametrize("softness", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("levels", [1, 4, 10, 16])
+def test_the_gain_is_the_definition_s(levels: int, softness: float) -> None:
+    lstar = np.linspace(-20, 130, 1501, dtype=np.float32)
+    if softness == 0:
+        lstar = lstar[np.abs(lstar * levels / 100 - 1e-3 - np.rint(lstar * levels / 100)) > 2e-3]  # not at a hard step
+    rgb = color.lstar_inverse(lstar)[None, :, None] * np.float32([1.5, 0.9, 0.5])
+    rgb /= color.luminance(np.float32([1.5, 0.9, 0.5]))
+    expected = [naive.gain(float(value), levels, softness) for value in lstar]
+    flat = quantized(rgb, levels, softness, REC709)
+    np.testing.assert_allclose(flat, rgb * np.array(expected)[None, :, None], rtol=1e-4, atol=1e-6)
+    on_the_way = decoded(Codes(color.encode(rgb), "lab"), Quantize(levels, softness), None, REC709)
+    np.testing.assert_allclose(on_the_way, flat, rtol=2e-4, atol=2e-6)
+
+
+#: Pixels at or below zero luminance, of every origin that we know of.
+LIGHTLESS = {
+    "black": (0, 0, 0),
+    "noise in blacks": (0.004, -0.006, 0.003),
+    "noise far below": (-0.05, -0.04, -0.06),
+    "a ringing resample": (-2.7, -2.7, -2.7),
+    "a blue light outside the gamut": (-0.4, -0.15, 2.4),
+    "a green that a matrix made": (-1.9, 0.4, -0.5),
+    "enormous": (-1e30, -1e30, -1e30),
+    "next to nothing": (-1e-40, -1e-42, 0),
+}
+
+
+@pytest.mark.parametrize("rgb", LIGHTLESS.values(), ids=LIGHTLESS)
+@pytest.mark.parametrize("steps", [Quantize(1, 0.0), Quantize(8, 0.0), Quantize(10, 0.7), Quantize(1000, 1.0)])
+def test_a_pixel_without_luminance_stays_what_it_is(rgb: tuple[float, ...], steps: Quantize) -> None:
+    pixels = np.full((4, 9, 3), rgb, np.float32)
+    np.testing.assert_array_equal(quantized(pixels, *steps, REC709), pixels)
+    codes = Codes(color.encode(pixels), "lab")
+    np.testing.assert_array_equal(decoded(codes, steps, None, REC709), codes.decode(REC709))
+    np.testing.assert_allclose(codes.decode(REC709), pixels, rtol=0, atol=3e-5 * np.abs(pixels).max() + 1e-37)
+    half = decoded(codes, steps, Ink(np.full((4, 9), 0.5, np.float32), (0, 0, 0), 1.0), REC709)
+    np.testing.assert_allclose(half, codes.decode(REC709) / 2, rtol=1e-6)
+
+
+def test_light_outside_the_gamut_keeps_its_colour() -> None:
+    """Its negative channels are scaled with the rest."""
+    rgb = np.float32([[[-0.2, -0.1, 3], [-0.05, 0.9, -0.02], [1.4, -0.1, -0.05], [-4, 1.2, 30]]])
+    flat = quantized(rgb, 6, 0.5, REC709)
+    assert (color.luminance(rgb) > 0).all()
+    np.testing.assert_allclose(flat / flat[..., 2:], rgb / rgb[..., 2:], rtol=1e-5)
+
+
+@pytest.mark.parametrize("alpha", [0.0, -0.25, -3.0, 1e-45, 1e-38, 1e-20])
+def test_pixels_that_are_not_covered_come_out_as_they_went_in(alpha: float) -> None:
+    """Also where alpha is too small to divide by, and where it is negative."""
+    below = np.full((3, 9, 4), (4.0, 0.18, -1.0, alpha), np.float32)
+    below[1] = (0.5, 0.4, 0.3, 1)
+    codes = Codes(encoded(below, "lab", REC709, mono=False)[0], "lab", below)
+    for flat in (
+        codes.decode(REC709),
+        quantized(below, 4, 0.5, REC709),
+        decoded(codes, Quantize(4, 0.5), None, REC709),
+    ):
+        np.testing.assert_array_equal(flat[[0, 2]], below[[0, 2]])
+        np.testing.assert_array_equal(np.signbit(flat[[0, 2]]), np.signbit(below[[0, 2]]))
+        assert (flat[1, :, 3] == 1).all()
+
+
+@pytest.mark.parametrize(
+    ("codes", "operations"),
+    [
+        ((3e38, 0, 0), ()),
+        ((1e20, 0, 0), (Quantize(8, 0.5),)),
+        ((100, 1e17, 0), (INK,)),
+        ((100, 0, -1e30), (Quantize(8, 0.0), INK)),
+        ((3e38, 3e38, -3e38), ()),
+    ],
+)
+def test_code_values_beyond_light_are_refused(codes: tuple[float, ...], operations: tuple[Operation, ...]) -> None:
+    values = color.encode(RGB)
+    values[2, 3] = codes
+    with pytest.raises(ArgumentError, match=r"codes: .* found larger ones in 1 pixels, the first .* at x 3, y 2"):
+        finish(Codes(values, "lab"), operations, REC709)

@@ -2,10 +2,11 @@ import json
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import flowabs_nodes
-from flowabs_nodes import graph
+from flowabs_nodes import Image, graph, load_graph
 from flowabs_nodes.errors import CommandError
 from flowabs_nodes.graph import shipped
 from flowabs_nodes.graph.shipped import paper, resolve
@@ -81,3 +82,14 @@ def test_every_code_is_in_the_documentation():
     from flowabs_nodes.graph.problems import CODES
 
     assert [code for code in CODES if f"`{code}`" not in text] == []
+
+
+@pytest.mark.parametrize("sigma", [0.005, 0.01, 0.02])
+@pytest.mark.parametrize("name", ["abstraction", "abstraction_hdr", "flat", "inked", "portrait"])
+def test_noise_in_blacks_stays_in_blacks(name, sigma):
+    """Read noise about a black level, at the size that the graphs' lengths are meant for."""
+    noise = np.random.default_rng(1).normal(0.002, sigma, (540, 160, 3)).astype(np.float32)
+    output = "flat" if name == "flat" else "comp"
+    pixels = load_graph(name).run(1, given={"plate": Image.from_array(noise)}, outputs=[output])[output].pixels
+    assert pixels.max() < 1.5 * noise.max()
+    assert pixels.min() > 1.5 * noise.min()

@@ -54,6 +54,19 @@ def test_colours_without_premultiplication_are_zero_where_alpha_is():
     np.testing.assert_allclose(found[1:], RGB[1:LANES], rtol=1e-6)
 
 
+def test_what_alpha_is_too_small_to_divide_by_is_not_covered():
+    pixels = RGBA.copy()
+    pixels[:5] = [(4, 0.18, 1e-30, alpha) for alpha in (-1, -1e-45, 1e-45, 1e-38, 1e-20)]
+    pixels[5] = (4, 0.18, 1e-30, 1.1e-20)
+    found = over(pixels, -1.0, 0)
+    np.testing.assert_array_equal(found[:5], 0)
+    np.testing.assert_allclose(found[5], pixels[5, :3] / pixels[5, 3], rtol=1e-6)
+    written = np.zeros_like(pixels)
+    _store(RGB.reshape(-1), pixels.reshape(-1), written.reshape(-1), 0)
+    np.testing.assert_array_equal(written[:5], pixels[:5])
+    np.testing.assert_array_equal(written[5, :3], RGB[5] * pixels[5, 3])
+
+
 def test_colours_get_the_alpha_of_the_picture_under_them():
     under, pixels = RGBA.copy(), np.full_like(RGBA, -1)
     under[0] = (0.5, 0.6, 0.7, 0)  # light without alpha, a glow

@@ -78,7 +78,7 @@ def flow_blur(image: npt.ArrayLike, flow: npt.ArrayLike, sigma: float = 2.0, sam
     ArgumentError
         For another shape or dtype, pixels that are not finite, or a parameter out of range.
     """
-    image = validate.any_channels("image", image)
+    image = validate.any_channels("image", image, summed=True)
     flow = validate.flow_field(flow, image.shape)
     sigma = validate.number("sigma", sigma, min=0, max=10_000)
     validate.choice("sampling", sampling, SAMPLINGS)

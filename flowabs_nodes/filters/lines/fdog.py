@@ -75,7 +75,7 @@ def fdog(
     ArgumentError
         For another shape or dtype, pixels that are not finite, or a parameter out of range.
     """
-    code = validate.plane_or_planes("code", code)
+    code = validate.plane_or_planes("code", code, summed=True)
     flow = validate.flow_field(flow, code.shape)
     detector = Detector.checked(sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign)
     return detector.response(as_planes(code if color_weight > 0 or code.ndim == 2 else code[..., 0]), flow)
@@ -157,11 +157,11 @@ def _join_channels(
             da, db = load(a, i) * weight, load(b, i) * weight
         sign = _tanh_of_twice(d)
         if is_color and color_sign:
-            chroma, slight = sqrt(da * da + db * db), absolute(d)
+            chroma, slight = sqrt(minimum(da * da + db * db, 3e38)), absolute(d)
             t = minimum(maximum((slight / chroma - _COLOR_ALONE) / (_LIGHTNESS_ALONE - _COLOR_ALONE), 0.0), 1.0)
             t = select(chroma > 0.0, t * t * (3.0 - 2.0 * t), 1.0)
             sign = t * sign + (1.0 - t) * _tanh_of_twice(_DARK_A * da + _DARK_B * db)
-        store(joined, i, sign * sqrt(d * d + da * da + db * db))
+        store(joined, i, sign * sqrt(minimum(d * d + da * da + db * db, 3e38)))
 
 
 @inlined

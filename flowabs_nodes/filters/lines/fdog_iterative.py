@@ -65,7 +65,7 @@ def fdog_iterative(
     ArgumentError
         For another shape or dtype, pixels that are not finite, or a parameter out of range.
     """
-    code = validate.plane_or_planes("code", code)
+    code = validate.plane_or_planes("code", code, summed=True)
     flow = validate.flow_field(flow, code.shape)
     is_xdog = validate.choice("form", form, FORMS) == "xdog"
     rho = xdog_rho(p) if is_xdog else rho

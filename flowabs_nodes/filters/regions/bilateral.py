@@ -21,12 +21,14 @@ from flowabs_nodes.filters.regions.range_weights import (
     start_sums,
     weight_exponents,
 )
-from flowabs_nodes.sampling.samples import TINY, Color
+from flowabs_nodes.sampling.samples import Color
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.border import repeat_left, repeat_right
+from flowabs_nodes.simd.finite import is_finite, refuse_overflow
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import LANES, select, splat_floats
 from flowabs_nodes.simd.memory import load, load_triples, store, store_triples
+from flowabs_nodes.simd.premultiplied import TINY
 
 
 def bilateral(
@@ -92,7 +94,10 @@ def bilateral(
             picture, smoothed = smoothed, picture
     result = np.empty_like(codes)
     over_rows(_from_planes, height, picture, codes.reshape(-1), planes, result.reshape(-1))
-    return np.ascontiguousarray(result[:, :width])
+    result = np.ascontiguousarray(result[:, :width])
+    if not is_finite(result):
+        refuse_overflow("codes", codes[:, :width], result)
+    return result
 
 
 class Planes(NamedTuple):

@@ -94,7 +94,7 @@ def fbl(
     ArgumentError
         For another shape or dtype, pixels that are not finite, or a parameter out of range.
     """
-    codes = validate.planes("codes", codes)
+    codes = validate.planes("codes", codes, summed=True)
     flow = validate.flow_field(flow, codes.shape)
     sigma_e = validate.number("sigma_e", sigma_e, min=0, max=10_000)
     r_e = validate.number("r_e", r_e, above=0)

@@ -9,6 +9,7 @@ from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import validate
 from flowabs_nodes.filters.opencv import opencv
 from flowabs_nodes.filters.regions.merge import flatten_regions
+from flowabs_nodes.simd.premultiplied import TINY
 
 EightBit = npt.NDArray[np.uint8]
 
@@ -59,7 +60,7 @@ def mean_shift(
     spatial = validate.number("spatial", spatial, min=0, max=1000)
     range = validate.number("range", range, min=0, max=255)
     min_region = validate.whole("min_region", min_region, min=0, max=2**31 - 1)
-    covered = np.ones(codes.shape[:2], bool) if alpha is None else validate.plane("alpha", alpha, codes.shape) > 0
+    covered = np.ones(codes.shape[:2], bool) if alpha is None else validate.plane("alpha", alpha, codes.shape) > TINY
     cv2 = opencv("mean_shift")
     stop = (cv2.TERM_CRITERIA_MAX_ITER | cv2.TERM_CRITERIA_EPS, _STEPS, _MOVE)
     modes = cv2.pyrMeanShiftFiltering(_to_8_bit(codes), spatial, range, maxLevel=0, termcrit=stop).astype(np.float32)

@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import validate
-from flowabs_nodes.simd.finite import refuse_non_finite
+from flowabs_nodes.simd.finite import refuse_overflow
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import floor, from_doubles, maximum, minimum, rint, select, splat_floats, to_doubles
 from flowabs_nodes.simd.memory import load, store
@@ -21,8 +21,8 @@ def quantize(lstar: npt.ArrayLike, levels: int = 8, softness: float = 0.0) -> Ar
     """Replace each lightness by the middle of its bin, of ``levels`` equal bins of 0..100.
 
     With D = 100 / levels and u = L* / D: Q = (max(1, ceil(u - 1e-3)) - 1/2) D. White is in bin ``levels``, zero and
-    below in bin 1, and bins go on above white. With softness s, Q = (e - 1/2 + 3 t^2 - 2 t^3) D, where e = round(u) and
-    t = clamp((u - e) / s + 1/2, 0, 1).
+    below in bin 1, and bins go on above white. With softness s, Q = (e - 1/2 + 3 t^2 - 2 t^3) D, at least 0, where
+    e = round(u) and t = clamp((u - e) / s + 1/2, 0, 1).
 
     Parameters
     ----------
@@ -46,20 +46,22 @@ def quantize(lstar: npt.ArrayLike, levels: int = 8, softness: float = 0.0) -> Ar
     levels = validate.whole("levels", levels, min=1)
     softness = validate.number("softness", softness, min=0, max=1)
     run, flat = as_run(lstar), empty_run(lstar.size)
+    picture = as_picture(flat, *lstar.shape)
     if any(over_pixels(_quantize, run.size, run, (levels / 100, softness), flat)):
-        refuse_non_finite("lstar", lstar)
-    return as_picture(flat, *lstar.shape)
+        refuse_overflow("lstar", lstar, picture)
+    return picture
 
 
 @kernel
 def _quantize(first: int, last: int, lstar: Array, steps: Steps, flat: Array) -> Any:
-    """Quantise the blocks ``first`` .. ``last`` - 1 of sixteen pixels; return whether a number is not finite."""
+    """Quantise the blocks ``first`` .. ``last`` - 1 of sixteen pixels; return whether one is not finite, or Q."""
     total = splat_floats(0.0)
     for block in range(first, last):
         i = first_pixel(block, lstar.size)
         lightness = load(lstar, i)
-        total = total + zero_or_nan(lightness)
-        store(flat, i, middle(lightness, steps))
+        flattened = middle(lightness, steps)
+        total = total + (zero_or_nan(lightness) + zero_or_nan(flattened))
+        store(flat, i, flattened)
     return any_nan(total)
 
 
@@ -72,7 +74,7 @@ def middle(lightness: Any, steps: Steps) -> Any:
         return (maximum(_ceil(level - 1e-3), 1.0) - 0.5) * (1 / per)
     edge = rint(from_doubles(level))
     t = minimum(maximum(from_doubles(level - to_doubles(edge)) * (1 / softness) + 0.5, 0.0), 1.0)
-    return (edge - 0.5 + t * t * (3.0 - 2.0 * t)) * (1 / per)
+    return maximum(edge - 0.5 + t * t * (3.0 - 2.0 * t), 0.0) * (1 / per)
 
 
 @inlined

@@ -21,12 +21,13 @@ import numpy.typing as npt
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import gaussian, validate
 from flowabs_nodes.sampling.coords import Raster, padded_rows
-from flowabs_nodes.sampling.samples import TINY, Color
+from flowabs_nodes.sampling.samples import Color
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.elementary import LOG2_E, exp2_weight
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import LANES, select, splat_floats
 from flowabs_nodes.simd.memory import load, load_quads, load_triples, store, store_quads, store_triples
+from flowabs_nodes.simd.premultiplied import TINY
 
 #: Smooths the records of its first argument and writes the result to its second.
 Pass = Callable[[Array, Array], Any]

@@ -1,5 +1,3 @@
-import math
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -7,23 +5,14 @@ from hypothesis import strategies as st
 
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import quantize
-
-
-def naive_quantize(lstar, levels, softness):
-    size = 100 / levels
-    u = lstar / size
-    if softness == 0:
-        return (max(1, math.ceil(u - 1e-3)) - 0.5) * size
-    e = round(u)
-    x = min(max((u - e) / softness + 0.5, 0), 1)
-    return (e - 0.5 + 3 * x**2 - 2 * x**3) * size
+from tests.naive import quantize as naive
 
 
 @pytest.mark.parametrize("softness", [0, 0.1, 0.5, 1])
 @pytest.mark.parametrize("levels", [1, 4, 7, 8, 10])
 def test_equals_the_definition(levels, softness):
     lstar = np.linspace(-20, 300, 3201, dtype=np.float32)
-    expected = [naive_quantize(float(value), levels, softness) for value in lstar]
+    expected = [naive.quantize(float(value), levels, softness) for value in lstar]
     np.testing.assert_allclose(quantize(lstar[None], levels, softness)[0], expected, atol=1e-4)
 
 
@@ -33,9 +22,19 @@ def test_bins():
     np.testing.assert_allclose(quantize(lstar), (bins - 0.5) * 12.5)
 
 
-@given(lstar=st.floats(-1e4, 1e6, width=32), levels=st.integers(1, 1000), softness=st.floats(0.01, 1))
+@given(lstar=st.floats(0, 1e6, width=32), levels=st.integers(1, 1000), softness=st.floats(0.01, 1))
 def test_a_soft_step_stays_within_half_a_bin(lstar, levels, softness):
     assert abs(float(quantize([[lstar]], levels, softness)[0, 0]) - lstar) <= 50.1 / levels + 1e-5 * abs(lstar)
+
+
+@given(lstar=st.floats(-(2.0**99), 0, width=32), levels=st.integers(1, 1000), softness=st.floats(0, 1))
+def test_what_is_darker_than_black_stays_in_the_first_bin(lstar, levels, softness):
+    assert 0 <= float(quantize([[lstar]], levels, softness)[0, 0]) <= 50.1 / levels
+
+
+def test_lightness_whose_bins_leave_float32_is_refused():
+    with pytest.raises(ArgumentError, match=r"lstar: .* the first 3e\+38 at x 2, y 1"):
+        quantize([[1, 2, 3], [4, 5, 3e38]], levels=1000)
 
 
 @given(

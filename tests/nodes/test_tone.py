@@ -1,0 +1,45 @@
+"""Exposure and quantise, where light is below zero, next to nothing, or enormous."""
+
+import numpy as np
+import pytest
+
+from flowabs_nodes.engine.call_node import call_node
+from flowabs_nodes.errors import FlowabsError
+from flowabs_nodes.image import Image
+from flowabs_nodes.nodes.declare import Context
+from flowabs_nodes.nodes.tone import EXPOSURE, QUANTIZE
+
+
+def result(node, pixels, **params):
+    return call_node(node, Context(), {"image": Image.from_array(np.float32(pixels))}, params)["image"].pixels
+
+
+@pytest.mark.parametrize("softness", [0.0, 0.7])
+def test_a_ramp_through_black_never_turns_and_never_jumps_below(softness):
+    """Hard steps go up only; nothing at or below L* 1 changes."""
+    grey = np.linspace(-0.1, 0.1, 4001, dtype=np.float32)
+    flat = result(QUANTIZE, np.repeat(grey[None, :, None], 3, 2), levels=10, softness=softness)[0, :, 0]
+    still = grey <= 27 / 24389
+    np.testing.assert_array_equal(flat[still], grey[still])
+    assert (flat[grey > 0] > 0).all()
+    assert np.abs(flat[grey < 0.0088] - grey[grey < 0.0088]).max() < 0.004
+
+
+@pytest.mark.parametrize("sigma", [0.002, 0.005, 0.01, 0.02, 0.05])
+@pytest.mark.parametrize("levels", [6, 8, 10, 14, 16])
+def test_noise_about_black_grows_by_no_more_than_half(sigma, levels):
+    noise = np.random.default_rng(0).normal(0.002, sigma, (200, 200, 3)).astype(np.float32)
+    flat = result(QUANTIZE, noise, levels=levels, softness=0.7)
+    assert flat.max() < 1.5 * noise.max()
+    assert flat.min() > 1.5 * noise.min()
+
+
+def test_exposure_below_zero():
+    np.testing.assert_array_equal(result(EXPOSURE, [[[-1, 0, 2, 0.5]]], stops=1.0), [[[-2, 0, 4, 0.5]]])
+    np.testing.assert_array_equal(result(EXPOSURE, [[[-3e38, 0, 2]]], stops=-1.0), np.float32([[[-1.5e38, 0, 1]]]))
+
+
+@pytest.mark.parametrize("light", [2e38, -2e38])
+def test_exposure_beyond_float32_is_refused(light):
+    with pytest.raises(FlowabsError, match=r"stops: \+1 takes the picture's largest light, 2e\+38, beyond float32"):
+        result(EXPOSURE, [[[1, 1, light]]], stops=1.0)
