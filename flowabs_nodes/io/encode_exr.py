@@ -99,16 +99,21 @@ def _pixels(picture: Picture, image: Image) -> Array:
 def _color_tags(picture: Picture, format: Format, header: dict[str, Any]) -> dict[str, Any]:
     """Return the attributes that name the file's colours; none where the plate's own, in ``header``, are still true.
 
-    Chromaticities that are no longer true are taken out of ``header``.
+    Those of the plate that are no longer true are taken out of ``header``.
     """
-    if picture.colorspace != "plate":
-        header.pop("chromaticities", None)
-        return exr_header.named_color_tags(picture.colorspace, picture.settings.ocio)
-    encoded = color.detect(picture.image.spec, ocio=picture.settings.ocio).encoding is not None
-    if (encoded or picture.plate_format is not format) and picture.image.type == "color":
-        header.pop("chromaticities", None)
-        return exr_header.color_tags(picture.image.colorspace)
-    return {}
+    image, settings = picture.image, picture.settings
+    if picture.colorspace == "plate":
+        if image.type != "color":
+            return {}
+        said = color.detect(image.spec, ocio=settings.ocio)
+        if picture.plate_format is format and said.encoding is None and said.space == image.colorspace:
+            return {}
+        tags = exr_header.color_tags(image.colorspace)
+    else:
+        tags = exr_header.named_color_tags(picture.colorspace, settings.ocio)
+    for name in ("chromaticities", "colorInteropID"):
+        header.pop(name, None)
+    return tags
 
 
 def _data_type(picture: Picture, image: Image, format: Format, warn: Say) -> str:

@@ -64,6 +64,7 @@ def open_picture(path: str | os.PathLike[str], settings: Settings) -> Iterator[P
         if not specs:
             raise ReadError("damaged: no picture in the file", file=name)
         format.check(name)
+        format.complete(name, specs[0])
         if reader := format.reader(specs, ""):
             yield formats.load(reader)(name, format, settings)
         else:

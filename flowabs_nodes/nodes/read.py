@@ -110,7 +110,7 @@ READ = Node(
             "unless they say otherwise.",
             *(format.help for format in formats.ALL if format.help),
             "Windows and metadata go along to `write`. An alpha that is ignored, or 0 in every pixel, is written again",
-            "as it was.",
+            "as it was, into an EXR.",
         )
     ),
 )
