@@ -7,18 +7,18 @@ from typing import Protocol
 
 import numpy as np
 
-from flowabs_nodes.array_types import Array
+from flowabs_nodes.array_types import Array, Float64
 from flowabs_nodes.color.spaces import ColorSpace
 
 
 class Transfer(Protocol):
     """A transfer function: from the codes of a file, 0..1, to linear light, and back. Arrays keep their shape."""
 
-    def linear(self, codes: Array) -> Array:
-        """Return linear light, float64 or float32."""
+    def linear(self, codes: Float64) -> Float64:
+        """Return linear light."""
         ...
 
-    def codes(self, linear: Array) -> Array:
+    def codes(self, linear: Float64) -> Float64:
         """Return codes: the inverse of :meth:`linear`."""
         ...
 

@@ -66,6 +66,7 @@ def encode_exr(picture: Picture, format: Format, stamps: Mapping[str, str], warn
         header[translated[0]] = translated[1]
     header.update(stamps)
     plate = exr_header.plate_compression(picture.image.spec)
+    exr_header.set_views(header, picture.image, channels, picture.settings)
     parts = [_part(header, channels, picture.compression, plate if picture.plate_format is format else "", warn)]
     for other, planes in kept.parts:
         theirs = other.pop("compression", "")
@@ -74,6 +75,7 @@ def encode_exr(picture: Picture, format: Format, stamps: Mapping[str, str], warn
         parts.append(_part(other, planes, "auto", theirs, warn))
     if len(parts) > 1:
         _name(parts)
+    exr_header.check_container(parts)
     stream = io.BytesIO()
     try:
         OpenEXR.File([OpenEXR.Part(part, planes, part.get("name", "")) for part, planes in parts]).write(stream)

@@ -88,7 +88,9 @@ def _encoding(picture: Picture, format: Format, data_type: str, warn: Say) -> st
     whole_numbers = data_type != "float"
     if picture.colorspace != "plate":
         if not color_tags.says(format, data_type, picture.colorspace, picture.settings.ocio):
-            warn(f"{format.name} cannot say that its colours are {picture.colorspace!r}: others will take them for sRGB")
+            warn(
+                f"{format.name} cannot say that its colours are {picture.colorspace!r}: others will take them for sRGB"
+            )
         return picture.colorspace
     plate = _plate_colors(picture, data_type)
     if plate and plate.encoding:
@@ -170,9 +172,9 @@ def _keeps_profile(picture: Picture, data_type: str, encoding: str | Encoding | 
     if profile is None or picture.image.type != "color" or picture.colorspace != "plate":
         return False
     plate = _plate_colors(picture, data_type)
-    same = plate is not None and plate.encoding == encoding
-    space = picture.image.colorspace
-    return same and plate.space == space and np.asarray(profile, np.uint8)[16:20].tobytes() == b"RGB "
+    if plate is None or plate.encoding != encoding or plate.space != picture.image.colorspace:
+        return False
+    return np.asarray(profile, np.uint8)[16:20].tobytes() == b"RGB "
 
 
 def _through_oiio(format: Format, spec: oiio.ImageSpec, pixels: npt.NDArray[np.generic]) -> bytes:

@@ -17,6 +17,7 @@ from flowabs_nodes.io.image_file import PictureFile, open_picture
 from flowabs_nodes.io.layers import layer_of, part_name
 from flowabs_nodes.io.orientation import upright
 from flowabs_nodes.io.output_image import Picture, moved, windows
+from flowabs_nodes.io.views import read_view, renamed, views_of
 
 Planes = dict[str, npt.NDArray[Any]]
 
@@ -49,6 +50,8 @@ def passthrough_layers(picture: Picture, warn: Callable[[str], None]) -> Passthr
             return Passthrough({})
         chosen = _chosen(file, origin, wanted, set(picture.layers))
         mine = file.read_native(origin.part, chosen.pop(origin.part, []))
+        views = views_of(file.specs[origin.part])
+        mine = {renamed(name, views, read_view(origin, views)): plane for name, plane in mine.items()}
         if mine and data != picture.image.data_window:
             warn("keep_layers: the picture has another data window than the plate; its other layers are cut to it")
             mine = {name: moved(plane, data, picture.image.data_window) for name, plane in mine.items()}
@@ -102,14 +105,21 @@ def _chosen(file: PictureFile, origin: Origin, wanted: list[str], new: set[str])
     for part, spec in enumerate(file.specs):
         own = part == origin.part
         whole = "" if own else part_name(spec)
+        views = views_of(spec) if own else ()
+        # Where another view than the default is read, the plain R, G, B are a layer, the default view's.
+        aside = bool(views) and read_view(origin, views) != views[0]
         for channel in spec.channelnames:
             layer = layer_of(channel)
             names = {name for name in (layer, whole) if name}
+            if aside and "." not in channel:
+                names |= {views[0]}
             known |= names
             hits = {pattern for pattern in wanted for name in names if fnmatch.fnmatchcase(name, pattern)}
             matched |= hits
             named = bool(hits & names)
-            replaced = bool(names & new) or (own and (layer == "" or (channel in origin.channels and not named)))
+            replaced = bool(names & new) or (
+                own and ((layer == "" and not aside) or (channel in origin.channels and not (named and not aside)))
+            )
             if hits and not replaced:
                 if spec.deep:
                     raise WriteError(
