@@ -60,10 +60,8 @@ def encode_exr(picture: Picture, format: Format, stamps: Mapping[str, str], warn
     header = exr_header.exr_header(picture.image, picture.settings, warn)
     header.update(_color_tags(picture, format, header))
     for name, value in picture.metadata.items():
-        translated = attributes.to_exr(name, "", value)
-        if translated is None:
-            raise WriteError(f"metadata {name!r}: an EXR attribute's name has at most 255 bytes", parameter="metadata")
-        header[translated[0]] = translated[1]
+        translated, content = attributes.given(name, value)
+        header[translated] = content
     header.update(stamps)
     plate = exr_header.plate_compression(picture.image.spec)
     exr_header.set_views(header, picture.image, channels, picture.settings)

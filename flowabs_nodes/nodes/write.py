@@ -12,7 +12,8 @@ from flowabs_nodes.nodes.declare import Context, Node, Param, Port
 
 
 def _metadata_problem(value: Any) -> str | None:
-    from flowabs_nodes.io.attributes import settable
+    from flowabs_nodes.errors import WriteError
+    from flowabs_nodes.io.attributes import given, settable
 
     expected = "an object from attribute names to texts or numbers"
     if not isinstance(value, dict):
@@ -23,6 +24,10 @@ def _metadata_problem(value: Any) -> str | None:
         number = isinstance(content, int | float) and not isinstance(content, bool) and math.isfinite(content)
         if not isinstance(content, str) and not number:
             return f"{expected}; {name!r} is {content!r}"
+        try:
+            given(name, content)
+        except WriteError as error:
+            return error.message.removeprefix("metadata ")
     return None
 
 
@@ -105,7 +110,7 @@ WRITE = Node(
             },
             parse=_metadata_problem,
             group="Header",
-            help="Attributes to set, by name: texts or numbers.",
+            help="Attributes to set, by name: texts or numbers. Standard ones get their EXR type.",
         ),
     ),
     run=run_write,
