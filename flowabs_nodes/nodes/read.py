@@ -76,7 +76,9 @@ READ = Node(
     inputs=(),
     outputs=(Port("image", "color", "R, G, B and, where the file has it, A; a grey plate is colour with R = G = B."),),
     params=(
-        Param.file("file", role="input", help="File or sequence: plate.exr, plate.####.exr, plate.%04d.exr."),
+        Param.file(
+            "file", role="input", pictures=True, help="File or sequence: plate.exr, plate.####.exr, plate.%04d.exr."
+        ),
         layer_param('Layer to read: "" is the plain R, G, B, A.'),
         part_param('Part of a multi-part EXR, by name or number: "" is the first with R, G, B.'),
         Param.string(
@@ -131,7 +133,7 @@ READ_AOV = Node(
     inputs=(),
     outputs=(Port("data", "data", "The layer's channels, under their own names."),),
     params=(
-        Param.file("file", role="input", help="File or sequence: render.exr, render.####.exr."),
+        Param.file("file", role="input", pictures=True, help="File or sequence: render.exr, render.####.exr."),
         layer_param('Layer, or one channel such as Z or N.X: "" is every channel of the part.'),
         part_param('Part of a multi-part EXR, by name or number: "" is the first that has the layer.'),
         MISSING_PARAM,
