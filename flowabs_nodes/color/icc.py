@@ -1,12 +1,15 @@
-"""Read the ICC profile of a photograph: primaries and transfer functions of a matrix profile, RGB or grey (ICC.1)."""
+"""Read the ICC profile of a photograph, and make one: primaries and transfer functions of a matrix profile (ICC.1)."""
 
 from __future__ import annotations
 
 import struct
+from collections.abc import Sequence
 
 import numpy as np
 
+from flowabs_nodes.array_types import Float64
 from flowabs_nodes.color.chromaticities import space_from_chromaticities
+from flowabs_nodes.color.constants import BRADFORD
 from flowabs_nodes.color.encoding import Encoding, Transfer
 from flowabs_nodes.color.spaces import KNOWN, ColorSpace, between
 from flowabs_nodes.color.transfers import Parametric, Power, Sampled
@@ -97,3 +100,59 @@ def _parametric(names: str, numbers: dict[str, float]) -> Parametric:
         level = numbers.pop("c")
         return Parametric(**numbers, d=-numbers["b"] / numbers["a"], e=level, f=level)
     return Parametric(**numbers)
+
+
+# ---------------------------------------------------------------------- writing
+
+
+def with_profile(encoding: Encoding) -> Encoding | None:
+    """Return an encoding that an ICC profile made here describes, for a file that cannot say it otherwise.
+
+    The profile has the encoding's primaries and its transfer functions in 4096 steps. None where it cannot be said in a
+    profile: a code of 1 is no linear light of 1, as in PQ, HLG and camera logs, or the light does not rise.
+    """
+    ramp = np.linspace(0, 1, 4096)
+    curves = [transfer.linear(ramp) for transfer in encoding.transfers]
+    if any(abs(each[0]) > 1e-3 or abs(each[-1] - 1) > 1e-2 or (np.diff(each) < 0).any() for each in curves):
+        return None
+    return read_profile(_profile(encoding.space, curves, encoding.name), encoding.name)
+
+
+def _profile(space: ColorSpace, curves: Sequence[Float64], name: str) -> bytes:
+    """Return the bytes of a profile of version 2 for a display of these primaries and curves."""
+    text = name.encode("ascii", "replace")[:60] + b"\0"
+    tags = {
+        b"desc": struct.pack(">4sII", b"desc", 0, len(text)) + text + bytes(78),
+        b"cprt": b"text" + bytes(4) + b"no rights reserved\0",
+        b"wtpt": _xyz(_D50),
+    }
+    columns = to_d50(space)
+    for letter, column, curve in zip((b"r", b"g", b"b"), columns.T, curves, strict=True):
+        codes = np.rint(np.clip(curve, 0, 1) * 65535).astype(">u2")
+        tags[letter + b"XYZ"] = _xyz(column)
+        tags[letter + b"TRC"] = struct.pack(">4sII", b"curv", 0, len(codes)) + codes.tobytes()
+    table, data = b"", b""
+    for signature, content in tags.items():
+        table += struct.pack(">4sII", signature, 132 + 12 * len(tags) + len(data), len(content))
+        data += content + bytes(-len(content) % 4)
+    head = struct.pack(
+        ">I4xI4s4s4s12x4s28x", 132 + len(table) + len(data), 0x02100000, b"mntr", b"RGB ", b"XYZ ", b"acsp"
+    )
+    return (head + _xyz(_D50)[8:]).ljust(128, b"\0") + struct.pack(">I", len(tags)) + table + data
+
+
+#: XYZ of the white of profiles.
+_D50 = np.array([0.9642, 1.0, 0.8249])
+
+
+def _xyz(values: Float64) -> bytes:
+    """Return a tag "XYZ " of three numbers."""
+    return struct.pack(">4sI3i", b"XYZ ", 0, *(round(65536 * float(value)) for value in values))
+
+
+def to_d50(space: ColorSpace) -> Float64:
+    """Return the matrix (3, 3) from RGB of a space to XYZ under D50, white adapted by Bradford."""
+    bradford = np.array(BRADFORD).reshape(3, 3)
+    matrix = np.array(space.to_xyz).reshape(3, 3)
+    scale = (bradford @ _D50) / (bradford @ matrix.sum(axis=1))
+    return np.asarray(np.linalg.solve(bradford, scale[:, None] * bradford @ matrix))

@@ -12,8 +12,10 @@ import OpenImageIO as oiio
 from flowabs_nodes import color
 from flowabs_nodes.color import ocio as named_spaces
 from flowabs_nodes.color.encoding import Encoding
+from flowabs_nodes.color.icc import with_profile
 from flowabs_nodes.color.named import SRGB_NAMES
 from flowabs_nodes.color.spaces import KNOWN, convert
+from flowabs_nodes.color.transfers import Sampled
 from flowabs_nodes.io.formats import Format
 from flowabs_nodes.io.oiio_error import reason
 
@@ -64,9 +66,33 @@ def says(format: Format, data_type: str, encoding: str | Encoding, ocio: str | N
             return False
         found = color.detect(source.spec(), ocio=ocio, display_referred=data_type != "float")
         source.close()
-    if found.encoding is None:
-        return False
-    return np.allclose(_decoded(found.encoding, ocio), _decoded(encoding, ocio), rtol=0.01, atol=1e-3)
+    return np.allclose(
+        _decoded(found.encoding or found.space.name, ocio), _decoded(encoding, ocio), rtol=0.01, atol=1e-3
+    )
+
+
+@cache
+def sayable(format: Format, data_type: str, encoding: str | Encoding, ocio: str | None = None) -> str | Encoding | None:
+    """Return the same encoding in a way that a file of this format can say: as it is, or by a profile made for it.
+
+    None where a file cannot say it at all, as the log of a camera.
+    """
+    if says(format, data_type, encoding, ocio):
+        return encoding
+    own = with_profile(_as_encoding(encoding, ocio))
+    if own is None or not np.allclose(_decoded(own, ocio), _decoded(encoding, ocio), rtol=0.01, atol=1e-3):
+        return None
+    return own if says(format, data_type, own, ocio) else None
+
+
+def _as_encoding(encoding: str | Encoding, ocio: str | None) -> Encoding:
+    """Return an OCIO name's primaries and the curve of its neutrals, which may not be all that there is to it."""
+    if isinstance(encoding, Encoding):
+        return encoding
+    neutrals = np.repeat(np.linspace(0, 1, 4096, dtype=np.float32)[None, :, None], 3, axis=2)
+    linear, space = named_spaces.linearize(neutrals, encoding, ocio)
+    curve = Sampled(tuple(linear[0, :, 1].tolist()))
+    return Encoding(encoding, space, (curve, curve, curve))
 
 
 def _decoded(encoding: str | Encoding, ocio: str | None) -> np.ndarray:

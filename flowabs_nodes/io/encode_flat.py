@@ -87,15 +87,17 @@ def _encoding(picture: Picture, format: Format, data_type: str, warn: Say) -> st
         return None
     whole_numbers = data_type != "float"
     if picture.colorspace != "plate":
-        if not color_tags.says(format, data_type, picture.colorspace, picture.settings.ocio):
+        chosen = color_tags.sayable(format, data_type, picture.colorspace, picture.settings.ocio)
+        if chosen is None:
             warn(
                 f"{format.name} cannot say that its colours are {picture.colorspace!r}: others will take them for sRGB"
             )
-        return picture.colorspace
+        return chosen or picture.colorspace
     plate = _plate_colors(picture, data_type)
     if plate and plate.encoding:
-        if color_tags.says(format, data_type, plate.encoding, picture.settings.ocio):
-            return plate.encoding
+        chosen = color_tags.sayable(format, data_type, plate.encoding, picture.settings.ocio)
+        if chosen is not None:
+            return chosen
         written = "sRGB is" if whole_numbers else "scene-linear colours are"
         warn(f"{format.name} cannot say what the plate's colours are: {written} written, not {plate.encoding}")
     return color_tags.SRGB if whole_numbers else None

@@ -80,13 +80,15 @@ READ = Node(
             "file", role="input", pictures=True, help="File or sequence: plate.exr, plate.####.exr, plate.%04d.exr."
         ),
         layer_param('Layer to read: "" is the plain R, G, B, A.'),
-        part_param('Part of a multi-part EXR, by name or number: "" is the first with R, G, B.'),
+        part_param(
+            'Part of a multi-part EXR, by name or number: "" is rgba, beauty or Combined, else the first with R, G, B.'
+        ),
         Param.string(
             "colorspace",
             "auto",
             label="Colour space",
             group="Pixels",
-            help="Colour space of the file: any OCIO name. auto: its tag, chromaticities, or lin_rec709.",
+            help="Colour space of the file: any OCIO name. auto: its tag, profile, chromaticities, or lin_rec709.",
         ),
         Param.enum(
             "alpha",
@@ -109,7 +111,11 @@ READ = Node(
     doc=" ".join(
         (
             f"Photographs ({formats.listed(formats.DISPLAY_REFERRED, ', ')}) count as sRGB and become linear Rec.709",
-            "unless they say otherwise.",
+            "unless they say otherwise: by an ICC profile (curves and primaries; a table of colours is passed over, and",
+            "told), and a PNG by cICP, gAMA and cHRM. Of PQ and HLG diffuse white becomes 1 (203 cd/m2, the code .75).",
+            "Of several parts with colour the one named rgba, beauty or Combined is read first, and the log says which.",
+            "Frame -1 may be called -001 or -0001; files whose number has another width than the token are named in the",
+            "log. A file that has the very name, such as icon@2x.png, is that file.",
             *(format.help for format in formats.ALL if format.help),
             "Windows and metadata go along to `write`. An alpha that is ignored, or 0 in every pixel, is written again",
             "as it was, into an EXR.",

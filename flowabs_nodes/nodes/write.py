@@ -98,7 +98,7 @@ WRITE = Node(
             "plate",
             label="Colour space",
             group="Encoding",
-            help="plate: the plate's own (EXR), sRGB for photographs, PNG and TIFF; or any OCIO name.",
+            help="plate: the plate's own; sRGB in a PNG or TIFF of a scene-linear plate; or any OCIO name.",
         ),
         Param.custom(
             "metadata",
@@ -119,7 +119,8 @@ WRITE = Node(
         "become layers: `n` is written as n.R, n.G, n.B[, n.A] (color), n.Y (mono, matte), n.x, n.y (flow), n.Z "
         "(depth), n.X, n.Y, n.Z (normal), n.X, n.Y, n.Z, n.W (motion), n.id (id) or n.<last part of its name> (data). "
         "Depth, normals and motion are always 32-bit floats and ids 32-bit whole numbers, bit for bit, whatever "
-        "data_type says. PNG and TIFF hold the image alone, on the display window, encoded for the screen. "
+        "data_type says. What a header says of colours, views and ACES containers stays only where it is still true. "
+        "Standard attributes in `metadata` get their EXR type: framesPerSecond 23.976, timeCode 01:00:00:00. PNG and TIFF hold the image alone, on the display window, encoded for the screen, with an ICC profile where that is not sRGB. "
         "Compressions dwaa, dwab, b44 and b44a change the picture each time it is saved."
     ),
 )

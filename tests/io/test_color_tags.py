@@ -119,7 +119,7 @@ def test_grey_with_a_profile(tmp_path: Path) -> None:
     image = read_image(grey)
     np.testing.assert_allclose(image.pixels[..., 1:2], (CODES[..., :1] / 255) ** (461 / 256), atol=1e-6)
     out, _ = written(image, tmp_path / "out.tif")  # red, green and blue: the profile is not true of them
-    assert oiio.ImageInput.open(str(out)).spec().getattribute("ICCProfile") is None
+    assert oiio.ImageInput.open(str(out)).spec().get_string_attribute("ICCProfile:color_space") == "RGB"
     np.testing.assert_allclose(in_ap0(read_image(out)), in_ap0(image), atol=6e-3)
 
 
@@ -159,7 +159,8 @@ def test_hdr_goes_back_into_a_png(tmp_path: Path, codes: tuple[int, int]) -> Non
     assert tuple(spec.spec().getattribute("CICP")) == (*codes, 0, 1)
     assert not warned
     _, warned = written(image, tmp_path / "out.tif")
-    assert "sRGB is written" in warned[0]
+    assert bool(warned) == (codes[1] in (16, 18))  # what no ICC profile can say
+    assert all("sRGB is written" in text for text in warned)
 
 
 @pytest.mark.parametrize("name", ["ACEScg", "ARRI LogC4", "ACEScct", "lin_rec2020", "AdobeRGB", "sRGB"])
@@ -218,3 +219,26 @@ def test_floats_of_a_tiff_stay_floats(tmp_path: Path, dtype: Any) -> None:
     np.testing.assert_array_equal(back.read_image("float"), pixels.astype(np.float32))
     half = OpenEXR.File(str(written(image, tmp_path / "out.exr")[0])).channels()["RGB"].pixels
     np.testing.assert_allclose(half, pixels, rtol=1e-3)
+
+
+@pytest.mark.parametrize("suffix", [".png", ".tif"])
+@pytest.mark.parametrize(
+    "name", ["AdobeRGB", "srgb_p3d65_scene", "g22_rec709_scene", "lin_rec709", "Gamma 2.2 Encoded AP1"]
+)
+def test_a_profile_is_made_for_what_a_file_could_not_say(tmp_path: Path, name: str, suffix: str) -> None:
+    pixels = np.clip(colors() / 2.2, 0.05, 0.95)
+    image = Image.from_array(pixels)
+    out, warned = written(image, tmp_path / f"out{suffix}", colorspace=name, data_type="uint16")
+    np.testing.assert_allclose(in_ap0(read_image(out)), in_ap0(image), atol=2e-3)
+    assert not warned
+
+
+@pytest.mark.parametrize("suffix", [".png", ".tif"])
+@pytest.mark.parametrize("chunks", [(gama(2.2), P3), (P3,), (gama(1.8), REC709), ((b"cICP", bytes([12, 13, 0, 1])),)])
+def test_wide_colours_of_a_png_are_not_cut(tmp_path: Path, chunks: tuple[Any, ...], suffix: str) -> None:
+    pixels = np.full((4, 4, 3), (230, 20, 20), np.uint8)
+    image = read_image(png(tmp_path / "a.png", *chunks, pixels=pixels))
+    out, warned = written(image, tmp_path / f"out{suffix}")
+    np.testing.assert_allclose(oiio.ImageInput.open(str(out)).read_image("uint8"), pixels, atol=1)
+    np.testing.assert_allclose(in_ap0(read_image(out)), in_ap0(image), atol=6e-3)
+    assert not warned
