@@ -111,11 +111,11 @@ READ = Node(
     doc=" ".join(
         (
             f"Photographs ({formats.listed(formats.DISPLAY_REFERRED, ', ')}) count as sRGB and become linear Rec.709",
-            "unless they say otherwise: by an ICC profile (curves and primaries; a table of colours is passed over, and",
-            "told), and a PNG by cICP, gAMA and cHRM. Of PQ and HLG diffuse white becomes 1 (203 cd/m2, the code .75).",
-            "Of several parts with colour the one named rgba, beauty or Combined is read first, and the log says which.",
-            "Frame -1 may be called -001 or -0001; files whose number has another width than the token are named in the",
-            "log. A file that has the very name, such as icon@2x.png, is that file.",
+            "unless they say otherwise: by an ICC profile (curves and primaries; a table of colours is passed over, which",
+            "the log says), and a PNG by cICP, gAMA and cHRM. White of PQ and HLG becomes 1 (203 cd/m2, the code .75).",
+            "Of several parts with colour, one named rgba, beauty or Combined goes first; the log says which is read.",
+            "Frame -1 may be called -001 or -0001; the log names files whose number has another width than the token.",
+            "A file that has the very name, such as icon@2x.png, is that file.",
             *(format.help for format in formats.ALL if format.help),
             "Windows and metadata go along to `write`. An alpha that is ignored, or 0 in every pixel, is written again",
             "as it was, into an EXR.",

@@ -120,7 +120,9 @@ WRITE = Node(
         "(depth), n.X, n.Y, n.Z (normal), n.X, n.Y, n.Z, n.W (motion), n.id (id) or n.<last part of its name> (data). "
         "Depth, normals and motion are always 32-bit floats and ids 32-bit whole numbers, bit for bit, whatever "
         "data_type says. What a header says of colours, views and ACES containers stays only where it is still true. "
-        "Standard attributes in `metadata` get their EXR type: framesPerSecond 23.976, timeCode 01:00:00:00. PNG and TIFF hold the image alone, on the display window, encoded for the screen, with an ICC profile where that is not sRGB. "
+        "Standard attributes in `metadata` get their EXR type: framesPerSecond 23.976, timeCode 01:00:00:00. "
+        "PNG and TIFF hold the image alone, on the display window, encoded for the screen, with an ICC profile where "
+        "that is not sRGB. "
         "Compressions dwaa, dwab, b44 and b44a change the picture each time it is saved."
     ),
 )
