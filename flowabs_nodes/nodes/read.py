@@ -111,7 +111,7 @@ READ = Node(
     doc=" ".join(
         (
             f"Photographs ({formats.listed(formats.DISPLAY_REFERRED, ', ')}) count as sRGB and become linear Rec.709",
-            "unless they say otherwise: by an ICC profile (curves and primaries; a table of colours is passed over, which",
+            "unless they say otherwise: by an ICC profile (curves and primaries; a table of colours is passed over, as",
             "the log says), and a PNG by cICP, gAMA and cHRM. White of PQ and HLG becomes 1 (203 cd/m2, the code .75).",
             "Of several parts with colour, one named rgba, beauty or Combined goes first; the log says which is read.",
             "Frame -1 may be called -001 or -0001; the log names files whose number has another width than the token.",
