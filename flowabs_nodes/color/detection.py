@@ -1,4 +1,4 @@
-"""Detect the colour space of a file: from a parameter, a tag, chromaticities, else linear Rec.709."""
+"""Detect the colour space of a file: from a parameter, tags, an ICC profile, chromaticities, else linear Rec.709."""
 
 from __future__ import annotations
 
@@ -8,11 +8,30 @@ import numpy as np
 import OpenImageIO as oiio
 
 from flowabs_nodes.color.chromaticities import space_from_chromaticities
+from flowabs_nodes.color.cicp import read_cicp
 from flowabs_nodes.color.config import config
+from flowabs_nodes.color.encoding import Encoding, Transfer
+from flowabs_nodes.color.icc import read_profile
 from flowabs_nodes.color.lookup import space
 from flowabs_nodes.color.named import find
-from flowabs_nodes.color.spaces import ColorSpace
+from flowabs_nodes.color.spaces import KNOWN, ColorSpace
+from flowabs_nodes.color.transfers import SRGB, Power
 from flowabs_nodes.errors import ColorError
+
+_SRGB = "srgb_rec709_scene"
+
+#: Attributes, by name or beginning, that say what colours pixels are.
+_COLOR_TAGS = (
+    "CICP",
+    "Exif:ColorSpace",
+    "ICCProfile",
+    "acesImageContainerFlag",
+    "adoptedNeutral",
+    "chromaticities",
+    "colorInteropID",
+    "oiio:ColorSpace",
+    "oiio:Gamma",
+)
 
 #: Before 3.1, OpenImageIO tags nearly every EXR "lin_rec709", whatever its header says.
 _OIIO_INVENTS_TAGS = oiio.VERSION < 30100
@@ -28,13 +47,13 @@ class Detected(NamedTuple):
     how
         Where the space was found, for the log: "chromaticities: lin_ap0_scene".
     encoding
-        The OCIO name of the encoding of the file's pixels (:func:`flowabs_nodes.color.ocio.linearize`); None where they
-        are scene-linear already.
+        The encoding of the file's pixels, which :func:`flowabs_nodes.color.ocio.linearize` decodes: its OCIO name, or
+        what the file's own profile, code points or chromaticities say; None where they are scene-linear already.
     """
 
     space: ColorSpace
     how: str
-    encoding: str | None = None
+    encoding: str | Encoding | None = None
 
 
 def detect(
@@ -78,33 +97,86 @@ def detect(
     if given and given != "auto":
         return _named(given, said_by, fallback, ocio)
 
-    passed_over = []
-    profile = _text(spec, "ICCProfile:profile_description")
-    if display_referred and profile and "srgb" not in profile.lower():
-        passed_over.append(f"its ICC profile {profile!r} is not used")
-    tags = [(tag, _text(spec, tag)) for tag in ("colorInteropID", "oiio:ColorSpace")]
-    if _OIIO_INVENTS_TAGS:
-        tags = [(tag, name) for tag, name in tags if (tag, name) != ("oiio:ColorSpace", "lin_rec709")]
-    for tag, name in tags:
-        if not name or name.lower() == "unknown":
+    passed_over: list[str] = []
+    found = _tagged(spec, ("colorInteropID",), fallback, ocio, passed_over)
+    found = found or _described(spec, display_referred, passed_over)
+    found = found or _tagged(spec, ("oiio:ColorSpace",), fallback, ocio, passed_over)
+    found = found or _from_chromaticities(spec, display_referred, passed_over)
+    if found is None and display_referred:
+        found = Detected(space("lin_rec709"), "no tag in the file: sRGB", _SRGB)
+    found = found or Detected(fallback, f"no tag in the file: {fallback}")
+    return found._replace(how="; ".join([found.how, *passed_over]))
+
+
+def forget(spec: oiio.ImageSpec) -> None:
+    """Remove from a header whatever :func:`detect` asks, and what else would only be true of these colours."""
+    for name in [attribute.name for attribute in spec.extra_attribs]:
+        if name.startswith(_COLOR_TAGS):
+            spec.erase_attribute(name)
+
+
+def _tagged(
+    spec: oiio.ImageSpec, tags: tuple[str, ...], fallback: ColorSpace, ocio: str | None, passed_over: list[str]
+) -> Detected | None:
+    """Return what the first of these tags says that means something; the others are ``passed_over``, for the log."""
+    for tag in tags:
+        name = _text(spec, tag)
+        invented = _OIIO_INVENTS_TAGS and (tag, name) == ("oiio:ColorSpace", "lin_rec709")
+        if not name or name.lower() == "unknown" or invented:
             continue
         try:
-            found = _named(name, tag, fallback, ocio)
-            return found._replace(how="; ".join([found.how, *passed_over]))
+            return _named(name, tag, fallback, ocio)
         except ColorError as error:
             if error.code == "bad-ocio-config":
                 raise
             passed_over.append(f"{tag} {name[:60]!r} means nothing here")
-    values = spec.getattribute("chromaticities")
-    if values is not None:
+    return None
+
+
+def _described(spec: oiio.ImageSpec, display_referred: bool, passed_over: list[str]) -> Detected | None:
+    """Return what the file's own description says: code points (CICP), which go before an ICC profile (PNG)."""
+    codes = spec.getattribute("CICP")
+    if codes is not None:
         try:
-            primaries = space_from_chromaticities(*np.reshape(values, (4, 2)))
-            return Detected(primaries, "; ".join([f"chromaticities: {primaries}", *passed_over]))
-        except (ColorError, ValueError):
-            passed_over.append("its chromaticities are no colour space")
-    if display_referred:
-        return Detected(space("lin_rec709"), "; ".join(["no tag in the file: sRGB", *passed_over]), "srgb_rec709_scene")
-    return Detected(fallback, "; ".join([f"no tag in the file: {fallback}", *passed_over]))
+            return _encoded(read_cicp(np.ravel(codes).tolist()), display_referred)
+        except (ColorError, ValueError) as error:
+            reason = error.message if isinstance(error, ColorError) else "damaged"
+            passed_over.append(f"its cICP {tuple(np.ravel(codes).tolist())} is not used: {reason}")
+    profile = spec.getattribute("ICCProfile")
+    if profile is not None:
+        name = _text(spec, "ICCProfile:profile_description")[:60]
+        try:
+            return _encoded(read_profile(np.asarray(profile, np.uint8).tobytes(), name), display_referred)
+        except ColorError as error:
+            passed_over.append(f"its ICC profile {name!r} is not used: {error.message}")
+    return None
+
+
+def _from_chromaticities(spec: oiio.ImageSpec, display_referred: bool, passed_over: list[str]) -> Detected | None:
+    """Return the space of the header's chromaticities; of a photograph, encoded by its gamma or else as sRGB is."""
+    values = spec.getattribute("chromaticities")
+    if values is None:
+        return None
+    try:
+        primaries = space_from_chromaticities(*np.reshape(values, (4, 2)))
+    except (ColorError, ValueError):
+        passed_over.append("its chromaticities are no colour space")
+        return None
+    if not display_referred:
+        return Detected(primaries, f"chromaticities: {primaries}")
+    gamma = spec.get_float_attribute("oiio:Gamma", 0.0)
+    transfer: Transfer = Power(round(gamma, 4)) if 0 < gamma < 10 else SRGB
+    name = f"chromaticities {primaries}, {f'gamma {gamma:.4g}' if transfer is not SRGB else 'sRGB curve'}"
+    return _encoded(Encoding(name, primaries, (transfer, transfer, transfer)), display_referred)
+
+
+def _encoded(found: Encoding, display_referred: bool) -> Detected:
+    """Return what an encoding means: sRGB by its name where it is that; of a float file, linear where it is linear."""
+    if found.space == KNOWN["lin_rec709"] and found.like(SRGB, 1e-3):
+        return Detected(found.space, f"{found.name}: sRGB", _SRGB)
+    if found.like(Power(1.0), 1e-6) and not display_referred:
+        return Detected(found.space, f"{found.name}: {found.space}")
+    return Detected(found.space, f"{found.name}, brought to {found.space}", found)
 
 
 def _named(name: str, source: str, fallback: ColorSpace, ocio: str | None) -> Detected:

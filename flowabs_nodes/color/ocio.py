@@ -1,4 +1,4 @@
-"""Convert pixels from and to encodings by their OCIO names: display sRGB, ACEScct, camera logs ..."""
+"""Convert pixels from and to encodings: by their OCIO names (display sRGB, camera logs ...), or a file's own."""
 
 from __future__ import annotations
 
@@ -6,20 +6,22 @@ import numpy as np
 
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.color import cineon, config, srgb
+from flowabs_nodes.color.encoding import Encoding
 from flowabs_nodes.color.named import find
 from flowabs_nodes.color.spaces import KNOWN, ColorSpace, convert
 from flowabs_nodes.errors import ArgumentError
 
 
-def linearize(pixels: Array, name: str, ocio: str | None = None) -> tuple[Array, ColorSpace]:
-    """Decode pixels of an OCIO encoding to scene-linear.
+def linearize(pixels: Array, name: str | Encoding, ocio: str | None = None) -> tuple[Array, ColorSpace]:
+    """Decode pixels of an encoding to scene-linear.
 
     Parameters
     ----------
     pixels
         (H, W, 3 or 4) float32, not premultiplied; alpha stays as it is.
     name
-        The encoding of the pixels: an OCIO name, alias or role; "cineon" is known in every config.
+        The encoding of the pixels: an OCIO name, alias or role, or what a file's profile says; "cineon" is known in
+        every config.
     ocio
         An OCIO config (a path, or "ocio://..."); None is the pinned one.
 
@@ -35,6 +37,8 @@ def linearize(pixels: Array, name: str, ocio: str | None = None) -> tuple[Array,
         If there is no such name, or the config cannot be read.
     """
     rgb, alpha = _split(pixels)
+    if isinstance(name, Encoding):
+        return _joined(name.linear(rgb), alpha), name.space
     found = find(name, ocio)
     if found.kind == "srgb":
         rgb = srgb.linear(rgb)
@@ -46,14 +50,16 @@ def linearize(pixels: Array, name: str, ocio: str | None = None) -> tuple[Array,
     return _joined(rgb, alpha), found.space
 
 
-def encode_named(rgb: Array, colorspace: ColorSpace, name: str, ocio: str | None = None) -> Array:
-    """Encode scene-linear pixels of ``colorspace`` as the OCIO encoding ``name``: the inverse of :func:`linearize`.
+def encode_named(rgb: Array, colorspace: ColorSpace, name: str | Encoding, ocio: str | None = None) -> Array:
+    """Encode scene-linear pixels of ``colorspace`` as the encoding ``name``: the inverse of :func:`linearize`.
 
     ``rgb`` is (H, W, 3 or 4) float32, not premultiplied, and the result has the same shape. A linear name only changes
     primaries, white to white by Bradford; "raw" changes nothing. Nothing is clamped. Raises ColorError as
     :func:`linearize` does.
     """
     linear, alpha = _split(rgb)
+    if isinstance(name, Encoding):
+        return _joined(name.encoded(convert(linear, colorspace, name.space)), alpha)
     found = find(name, ocio)
     if found.kind == "data":
         return _joined(linear, alpha)

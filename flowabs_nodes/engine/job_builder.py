@@ -10,7 +10,7 @@ from flowabs_nodes.color.config import config
 from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.options import PathLike, RunOptions
 from flowabs_nodes.engine.plan import file_role, make_plan, sinks
-from flowabs_nodes.engine.sources import file_of
+from flowabs_nodes.engine.sources import file_of, reads_pictures
 from flowabs_nodes.errors import CommandError, ReadError, WriteError
 from flowabs_nodes.graph.model import Graph
 from flowabs_nodes.graph.overrides import override
@@ -46,10 +46,12 @@ def build_job(graph: Graph, options: RunOptions) -> tuple[Job, tuple[int, ...]]:
     steps = make_plan(graph, 1, sinks=writes)
     reads = [step.unit.node for step in steps if file_role(graph, step.unit.node) == "input"]
     with _as_command_errors():
-        inputs = [Sequence(file_of(graph, name, values[name])) for name in reads]
+        inputs = [Sequence.to_read(file_of(graph, name, values[name])) for name in reads]
         outputs = {name: (file_of(graph, name, values[name]), *further) for name in writes}
         for sequence in inputs:
             checked(sequence.pattern, settings)
+        for sequence in (each for name, each in zip(reads, inputs, strict=True) if reads_pictures(graph, name)):
+            _check_format(sequence)
         numbers = _frame_numbers(options.frames, inputs)
         targets = _output_paths([Sequence(pattern) for patterns in outputs.values() for pattern in patterns], numbers)
         for path in targets:
@@ -119,6 +121,19 @@ def _frame_numbers(frames: str | int | Iterable[int] | None, inputs: list[Sequen
 # ---------------------------------------------------------------------- files
 
 
+def _check_format(sequence: Sequence) -> None:
+    """Raise ReadError where what is to be read can be no picture of the format that its name says.
+
+    A single file is looked at: a folder or a device, or a file that begins as one of another format, is a wrong
+    command. Whatever else is wrong with a file is its frame's business.
+    """
+    if not sequence.has_token:
+        formats.check_kind(sequence.pattern)
+    expected = formats.check_extension(sequence.pattern)
+    if not sequence.has_token and formats.found_in(sequence.pattern) not in (None, expected):
+        formats.to_read(sequence.pattern)
+
+
 def _output_paths(outputs: list[Sequence], numbers: tuple[int, ...]) -> list[str]:
     """Return every file that will be written; raise CommandError where two outputs, or two frames, are one file."""
     for sequence in outputs:
@@ -141,9 +156,10 @@ def _output_paths(outputs: list[Sequence], numbers: tuple[int, ...]) -> list[str
 def _refuse_inputs(targets: list[str], inputs: list[Sequence], numbers: tuple[int, ...]) -> None:
     """Raise CommandError where a file to write is, through any link, a file that any frame may read."""
     sources = {
-        os.path.realpath(sequence.path(number))
+        os.path.realpath(path)
         for sequence in inputs
         for number in {*numbers, *(sequence.frames_on_disk() if sequence.has_token else ())}
+        for path in sequence.paths(number)
     }
     identities = {identity for path in sources if (identity := _identity(path))}
     for path in targets:

@@ -27,6 +27,7 @@ from flowabs_nodes.engine.report import (
 from flowabs_nodes.engine.result_store import ResultStore
 from flowabs_nodes.engine.runnable import GraphSource, load_graph
 from flowabs_nodes.engine.signals import Stopped
+from flowabs_nodes.engine.sources import passed_over
 from flowabs_nodes.errors import WriteError
 from flowabs_nodes.io.frame_lock import sweep
 from flowabs_nodes.io.settings import Settings
@@ -94,7 +95,11 @@ def render_sequence(
     job, numbers = build_job(loaded, options)
     tell: Listener = on_event or (lambda event: None)
     tell(start_event(loaded.name, len(numbers)))
-    about = (*(Note(text) for text in loaded.notes), *(Note(str(each), warning=True) for each in loaded.warnings))
+    about: tuple[Note, ...] = (
+        *(Note(text) for text in loaded.notes),
+        *(Note(str(each), warning=True) for each in loaded.warnings),
+    )
+    about += passed_over(job.graph)
     for note in about:
         tell(note_event(note))
     reports: list[FrameReport] = []

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from flowabs_nodes.engine.error_boundary import error_boundary
 from flowabs_nodes.engine.plan import Step, Unit, file_role
+from flowabs_nodes.engine.report import Note
 from flowabs_nodes.errors import CommandError
 from flowabs_nodes.io.hashing import content_hash
+from flowabs_nodes.io.image_file import check_picture
 from flowabs_nodes.io.sequences import Sequence, Source
 from flowabs_nodes.io.settings import checked
 
@@ -39,7 +42,7 @@ class Sources:
         CommandError
             file-not-set, or outside-root.
         ReadError
-            missing-file, with node and frame, where the policy does not help.
+            missing-file, with node and frame, where the policy does not help; what :func:`check_picture` raises.
         """
         if unit not in self._found:
             with error_boundary(unit.node, unit.frame):
@@ -47,6 +50,8 @@ class Sources:
                 source = self._sequence(unit).resolve(unit.frame, policy)
                 if source.path is not None:
                     checked(source.path, self._options.settings)
+                    if reads_pictures(self._graph, unit.node):
+                        check_picture(source.path, self._options.settings)
                 self._found[unit] = source
         return self._found[unit]
 
@@ -74,8 +79,14 @@ class Sources:
         """Return the sequence or single picture that a unit reads."""
         pattern = file_of(self._graph, unit.node, self._params[unit])
         if pattern not in self._sequences:
-            self._sequences[pattern] = Sequence(pattern)
+            self._sequences[pattern] = Sequence.to_read(pattern)
         return self._sequences[pattern]
+
+
+def reads_pictures(graph: Graph, node: str) -> bool:
+    """Return whether the files that a node reads are pictures."""
+    param = graph.nodes[node].declaration.file_param
+    return param is not None and param.pictures
 
 
 def file_of(graph: Graph, node: str, values: Mapping[str, Any]) -> str:
@@ -98,6 +109,21 @@ def file_of(graph: Graph, node: str, values: Mapping[str, Any]) -> str:
             parameter=param.name,
         )
     return str(values[param.name])
+
+
+def passed_over(graph: Graph) -> tuple[Note, ...]:
+    """Return a warning for each node that reads a sequence, where its folder has files with numbers of other widths."""
+    notes = []
+    values = graph.values(1)
+    for node in graph.nodes:
+        param = graph.nodes[node].declaration.file_param
+        if param is not None and param.role == "input" and values[node].get(param.name):
+            sequence = Sequence.to_read(str(values[node][param.name]))
+            if names := sequence.passed_over():
+                shown = ", ".join(names[:3]) + (" ..." if len(names) > 3 else "")
+                text = f"{len(names)} files are not frames of {os.path.basename(sequence.pattern)}: {shown}"
+                notes.append(Note(f"{text}; widths are strict", node=node, warning=True))
+    return tuple(notes)
 
 
 def source_contents(sources: Mapping[Unit, Source]) -> dict[Unit, str]:

@@ -12,7 +12,9 @@ import numpy as np
 import OpenEXR
 import OpenImageIO as oiio
 
+from flowabs_nodes.errors import WriteError
 from flowabs_nodes.io import formats
+from flowabs_nodes.io.standard_attributes import standard_value
 
 #: The name in an EXR header -> OpenImageIO's name, where they differ.
 OIIO_NAMES = {
@@ -28,6 +30,7 @@ OIIO_NAMES = {
 }
 EXR_NAMES = {theirs: name for name, theirs in OIIO_NAMES.items()} | {
     "oiio:ColorSpace": "colorInteropID",
+    "FramesPerSecond": "framesPerSecond",
     "worldtocamera": "worldToCamera",
     "worldtoscreen": "worldToScreen",
     "oiio:subimagename": "name",
@@ -98,6 +101,24 @@ def settable(name: str) -> bool:
     """Return True for a name that ``write.metadata`` may set: none about how pixels are stored or where they lie."""
     fits = 0 < len(name.encode("utf-8", "replace")) <= 255 and "\0" not in name
     return fits and EXR_NAMES.get(name, name) not in _STRUCTURE and describes_picture(name)
+
+
+def given(name: str, value: str | float) -> tuple[str, Any]:
+    """Return the (name, value) that the OpenEXR module writes for an attribute that ``write.metadata`` sets.
+
+    A standard attribute has the standard's type, any other that of the value. Raises WriteError where the value cannot
+    be of the type.
+    """
+    exr_name = EXR_NAMES.get(name, name)
+    try:
+        content = standard_value(exr_name, value)
+    except ValueError as error:
+        message = f"metadata {name!r}: expected {error}, found {value!r}"
+        raise WriteError(message, code="bad-value", parameter="metadata") from None
+    translated = to_exr(name, "", content) if content is value else (exr_name, content)
+    if translated is None:
+        raise WriteError(f"metadata {name!r}: an EXR attribute's name has at most 255 bytes", parameter="metadata")
+    return translated
 
 
 def to_exr(name: str, kind: str, value: Any) -> tuple[str, Any] | None:

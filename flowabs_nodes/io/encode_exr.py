@@ -60,12 +60,11 @@ def encode_exr(picture: Picture, format: Format, stamps: Mapping[str, str], warn
     header = exr_header.exr_header(picture.image, picture.settings, warn)
     header.update(_color_tags(picture, format, header))
     for name, value in picture.metadata.items():
-        translated = attributes.to_exr(name, "", value)
-        if translated is None:
-            raise WriteError(f"metadata {name!r}: an EXR attribute's name has at most 255 bytes", parameter="metadata")
-        header[translated[0]] = translated[1]
+        translated, content = attributes.given(name, value)
+        header[translated] = content
     header.update(stamps)
     plate = exr_header.plate_compression(picture.image.spec)
+    exr_header.set_views(header, picture.image, channels, picture.settings)
     parts = [_part(header, channels, picture.compression, plate if picture.plate_format is format else "", warn)]
     for other, planes in kept.parts:
         theirs = other.pop("compression", "")
@@ -74,6 +73,7 @@ def encode_exr(picture: Picture, format: Format, stamps: Mapping[str, str], warn
         parts.append(_part(other, planes, "auto", theirs, warn))
     if len(parts) > 1:
         _name(parts)
+    exr_header.check_container(parts)
     stream = io.BytesIO()
     try:
         OpenEXR.File([OpenEXR.Part(part, planes, part.get("name", "")) for part, planes in parts]).write(stream)
@@ -99,16 +99,21 @@ def _pixels(picture: Picture, image: Image) -> Array:
 def _color_tags(picture: Picture, format: Format, header: dict[str, Any]) -> dict[str, Any]:
     """Return the attributes that name the file's colours; none where the plate's own, in ``header``, are still true.
 
-    Chromaticities that are no longer true are taken out of ``header``.
+    Those of the plate that are no longer true are taken out of ``header``.
     """
-    if picture.colorspace != "plate":
-        header.pop("chromaticities", None)
-        return exr_header.named_color_tags(picture.colorspace, picture.settings.ocio)
-    encoded = color.detect(picture.image.spec, ocio=picture.settings.ocio).encoding is not None
-    if (encoded or picture.plate_format is not format) and picture.image.type == "color":
-        header.pop("chromaticities", None)
-        return exr_header.color_tags(picture.image.colorspace)
-    return {}
+    image, settings = picture.image, picture.settings
+    if picture.colorspace == "plate":
+        if image.type != "color":
+            return {}
+        said = color.detect(image.spec, ocio=settings.ocio)
+        if picture.plate_format is format and said.encoding is None and said.space == image.colorspace:
+            return {}
+        tags = exr_header.color_tags(image.colorspace)
+    else:
+        tags = exr_header.named_color_tags(picture.colorspace, settings.ocio)
+    for name in ("chromaticities", "colorInteropID"):
+        header.pop(name, None)
+    return tags
 
 
 def _data_type(picture: Picture, image: Image, format: Format, warn: Say) -> str:

@@ -12,10 +12,11 @@ import OpenImageIO as oiio
 
 from flowabs_nodes import color
 from flowabs_nodes.color import ocio
+from flowabs_nodes.color.encoding import Encoding
 from flowabs_nodes.errors import WriteError
 from flowabs_nodes.image import Image
 from flowabs_nodes.io import alpha as alphas
-from flowabs_nodes.io import attributes, nonfinite, provenance
+from flowabs_nodes.io import attributes, color_tags, nonfinite, provenance
 from flowabs_nodes.io.formats import Format
 from flowabs_nodes.io.image_file import open_picture
 from flowabs_nodes.io.limits import check_display_window
@@ -26,8 +27,13 @@ from flowabs_nodes.port_types import pixel_type
 
 Say = Callable[[str], None]
 
-_BASETYPES = {oiio.UINT8: "uint8", oiio.UINT16: "uint16", oiio.FLOAT: "float"}
-_SRGB = "srgb_rec709_scene"
+_BASETYPES = {
+    oiio.UINT8: "uint8",
+    oiio.UINT16: "uint16",
+    oiio.HALF: "float",
+    oiio.FLOAT: "float",
+    oiio.DOUBLE: "float",
+}
 
 
 def encode_flat(picture: Picture, format: Format, stamps: Mapping[str, str], warn: Say) -> bytes:
@@ -49,11 +55,11 @@ def encode_flat(picture: Picture, format: Format, stamps: Mapping[str, str], war
     check_display_window(display.width, display.height, picture.settings)
     image = image.on_window(display)
     data_type = _data_type(picture, format, warn)
-    encoding = _encoding(picture, data_type)
+    encoding = _encoding(picture, format, data_type, warn)
     if encoding is None and image.type == "color" and image.colorspace != color.space("lin_rec709"):
         warn(f"{format.name} cannot say that its colours are {image.colorspace}; colorspace converts them")
     pixels = _quantised(_encoded(image, encoding, picture.settings, warn), data_type)
-    return _through_oiio(format, _header(picture, format, pixels, encoding, stamps), pixels)
+    return _through_oiio(format, _header(picture, format, data_type, pixels, encoding, stamps), pixels)
 
 
 def _from_scene(picture: Picture) -> bool:
@@ -72,20 +78,39 @@ def _data_type(picture: Picture, format: Format, warn: Say) -> str:
     return plate if kept and plate in format.data_types else format.data_types[0]
 
 
-def _encoding(picture: Picture, data_type: str) -> str | None:
-    """Choose the OCIO name of the file's colours; None where they stay scene-linear, or are no colours at all."""
+def _encoding(picture: Picture, format: Format, data_type: str, warn: Say) -> str | Encoding | None:
+    """Choose the encoding of the file's colours; None where they stay scene-linear, or are no colours at all.
+
+    It is the plate's own where the file can say so, else sRGB.
+    """
     if picture.image.type != "color":
         return None
-    if picture.colorspace != "plate":
-        return picture.colorspace
     whole_numbers = data_type != "float"
-    detected = color.detect(picture.image.spec, ocio=picture.settings.ocio, display_referred=whole_numbers)
-    if detected.encoding is not None and not _from_scene(picture):
-        return detected.encoding
-    return _SRGB if whole_numbers else None
+    if picture.colorspace != "plate":
+        chosen = color_tags.sayable(format, data_type, picture.colorspace, picture.settings.ocio)
+        if chosen is None:
+            warn(
+                f"{format.name} cannot say that its colours are {picture.colorspace!r}: others will take them for sRGB"
+            )
+        return chosen or picture.colorspace
+    plate = _plate_colors(picture, data_type)
+    if plate and plate.encoding:
+        chosen = color_tags.sayable(format, data_type, plate.encoding, picture.settings.ocio)
+        if chosen is not None:
+            return chosen
+        written = "sRGB is" if whole_numbers else "scene-linear colours are"
+        warn(f"{format.name} cannot say what the plate's colours are: {written} written, not {plate.encoding}")
+    return color_tags.SRGB if whole_numbers else None
 
 
-def _encoded(image: Image, encoding: str | None, settings: Settings, warn: Say) -> npt.NDArray[np.float32]:
+def _plate_colors(picture: Picture, data_type: str) -> color.Detected | None:
+    """Return what the header says of the plate's colours; None where the plate was not made to be looked at."""
+    if _from_scene(picture):
+        return None
+    return color.detect(picture.image.spec, ocio=picture.settings.ocio, display_referred=data_type != "float")
+
+
+def _encoded(image: Image, encoding: str | Encoding | None, settings: Settings, warn: Say) -> npt.NDArray[np.float32]:
     """Return (H, W, 3 or 4): straight colour in its encoding; scene-linear, premultiplied colour for None."""
     pixels = image.pixels
     nans, _ = nonfinite.count(pixels)
@@ -113,17 +138,16 @@ def _quantised(pixels: npt.NDArray[np.float32], data_type: str) -> npt.NDArray[n
 def _header(
     picture: Picture,
     format: Format,
+    data_type: str,
     pixels: npt.NDArray[np.generic],
-    encoding: str | None,
+    encoding: str | Encoding | None,
     stamps: Mapping[str, str],
 ) -> oiio.ImageSpec:
     """Return a header with the image's metadata, and the stamps where the format keeps them."""
     height, width, count = pixels.shape
     spec = oiio.ImageSpec(width, height, count, "float" if pixels.dtype == np.float32 else str(pixels.dtype))
-    same = picture.colorspace == "plate" and not _from_scene(picture) and encoding is not None
     for attribute in picture.image.spec.extra_attribs:
-        # A profile describes the plate's codes: true only where the same encoding is written.
-        if attributes.describes_picture(attribute.name) or (same and attribute.name == "ICCProfile"):
+        if attributes.describes_picture(attribute.name) and attribute.name != "chromaticities":
             spec.attribute(attribute.name, attribute.type, attribute.value)
     for name, value in picture.metadata.items():
         spec.attribute(name, value)
@@ -136,10 +160,23 @@ def _header(
             spec.attribute(name, stamp)
     if format.compression:
         spec.attribute("compression", format.compression)
+    color_tags.tag(spec, encoding)
+    if _keeps_profile(picture, data_type, encoding):
+        color_tags.set_profile(spec, np.asarray(picture.image.spec.getattribute("ICCProfile"), np.uint8).tobytes())
     if encoding is not None:
-        spec.attribute("oiio:ColorSpace", encoding)
         spec.attribute("oiio:UnassociatedAlpha", 1)
     return spec
+
+
+def _keeps_profile(picture: Picture, data_type: str, encoding: str | Encoding | None) -> bool:
+    """Return whether the plate's ICC profile, which describes the plate's codes, is true of those that are written."""
+    profile = picture.image.spec.getattribute("ICCProfile")
+    if profile is None or picture.image.type != "color" or picture.colorspace != "plate":
+        return False
+    plate = _plate_colors(picture, data_type)
+    if plate is None or plate.encoding != encoding or plate.space != picture.image.colorspace:
+        return False
+    return np.asarray(profile, np.uint8)[16:20].tobytes() == b"RGB "
 
 
 def _through_oiio(format: Format, spec: oiio.ImageSpec, pixels: npt.NDArray[np.generic]) -> bytes:

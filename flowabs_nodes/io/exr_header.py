@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from flowabs_nodes.io import attributes, formats
 from flowabs_nodes.io.formats.exr import EXR
 from flowabs_nodes.io.image_file import open_picture
 from flowabs_nodes.io.settings import Settings
+from flowabs_nodes.io.views import read_view, views_of, views_there
 
 #: Attributes that the encoder decides, or that are no longer true of new pixels (the thumbnail).
 _ENCODING = (
@@ -71,6 +72,48 @@ def header_of_part(path: str, part: int) -> dict[str, Any]:
     for name in ("dataWindow", "displayWindow"):
         header[name] = parts[part].header[name]
     return header
+
+
+def set_views(header: dict[str, Any], image: Image, channels: Iterable[str], settings: Settings) -> None:
+    """Make multiView in ``header`` name the views that are among ``channels``; the one that was read is the default.
+
+    Where one view is left, the attribute ``view`` names it, and multiView goes. Where all views that the plate has are
+    there, the header stays as it is.
+    """
+    views, origin = views_of(image.spec), image.origin
+    if not views or origin is None or "multiView" not in header:
+        return
+    with open_picture(origin.file, settings) as file:
+        before = views_there(file.specs[origin.part].channelnames, views, views[0])
+    there = views_there(channels, views, read_view(origin, views))
+    if there == before:
+        return
+    if len(there) > 1:
+        header["multiView"] = list(there)
+    else:
+        del header["multiView"]
+        header["view"] = there[0]
+
+
+def check_container(parts: Sequence[tuple[dict[str, Any], dict[str, Any]]]) -> None:
+    """Remove acesImageContainerFlag where the file is no ACES image container (SMPTE ST 2065-4).
+
+    One is a single part of half R, G, B[, A] in ACES2065-1, without compression.
+    """
+    header, channels = parts[0]
+    tagged = header.get("chromaticities")
+    ap0 = color.chromaticities_of(color.space("lin_ap0_scene")) or ()
+    true = (
+        len(parts) == 1
+        and header.get("compression") == OpenEXR.NO_COMPRESSION
+        and set(channels) in ({"R", "G", "B"}, {"R", "G", "B", "A"})
+        and all(plane.dtype == np.float16 for plane in channels.values())
+        and tagged is not None
+        and np.allclose(tagged, ap0, atol=1e-4)
+    )
+    for each, _ in parts:
+        if not true:
+            each.pop("acesImageContainerFlag", None)
 
 
 def _plate(image: Image, settings: Settings, warn: Callable[[str], None]) -> tuple[dict[str, Any], dict[str, Any]]:

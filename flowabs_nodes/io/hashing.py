@@ -7,6 +7,7 @@ import os
 import threading
 
 from flowabs_nodes.errors import ReadError
+from flowabs_nodes.io import formats
 
 #: A cache: (real path, size, time of change) -> hash.
 _known: dict[tuple[str, int, int], str] = {}
@@ -16,8 +17,10 @@ _lock = threading.Lock()
 def content_hash(path: str | os.PathLike[str]) -> str:
     """Return the BLAKE2b-256 of a file's bytes, as 64 hexadecimal digits. Raises ReadError where it cannot be read.
 
-    A file whose path, size and time are those of an earlier call is not read again.
+    What is no file (a folder, a pipe, a device) is refused at once. A file whose path, size and time are those of an
+    earlier call is not read again.
     """
+    formats.check_kind(path)
     try:
         before = _version(path)
         with _lock:

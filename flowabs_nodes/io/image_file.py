@@ -19,7 +19,7 @@ import OpenImageIO as oiio
 from flowabs_nodes.errors import ReadError
 from flowabs_nodes.io import formats
 from flowabs_nodes.io.formats import Format
-from flowabs_nodes.io.limits import check_readable
+from flowabs_nodes.io.limits import check_readable, too_large
 from flowabs_nodes.io.oiio_error import reason
 from flowabs_nodes.io.settings import Settings
 
@@ -64,12 +64,29 @@ def open_picture(path: str | os.PathLike[str], settings: Settings) -> Iterator[P
         if not specs:
             raise ReadError("damaged: no picture in the file", file=name)
         format.check(name)
+        format.complete(name, specs[0])
         if reader := format.reader(specs, ""):
             yield formats.load(reader)(name, format, settings)
         else:
             yield _OiioFile(name, format, tuple(specs), source, settings)
     finally:
         source.close()
+
+
+def check_picture(path: str | os.PathLike[str], settings: Settings) -> None:
+    """Raise ReadError for a file that is no picture, or a too large one, from its first bytes and its header alone.
+
+    A damaged header is left to whoever reads the file.
+    """
+    formats.to_read(path)
+    source = oiio.ImageInput.open(os.fspath(path))
+    if source is None:
+        reason(oiio)
+        return
+    spec = source.spec()
+    source.close()
+    if too_large(spec.width, spec.height, settings):
+        check_readable(os.fspath(path), spec, 1, settings)
 
 
 class _Run(NamedTuple):

@@ -9,6 +9,8 @@ import OpenImageIO as oiio
 
 from flowabs_nodes.errors import ReadError, nearest
 from flowabs_nodes.io.oiio_error import printable
+from flowabs_nodes.io.picture_names import is_other, is_picture, rank
+from flowabs_nodes.io.views import views_of
 
 #: Names that files use for red, green, blue, alpha.
 _RGBA = (
@@ -65,12 +67,7 @@ def choose_color(specs: Sequence[oiio.ImageSpec], layer: str = "", part: str | i
     """
     candidates = parts_to_read(specs, part)
     if layer == "":
-        for names in (_RGBA, _GREY):
-            for index in candidates:
-                found = _pick(specs[index].channelnames, "", names)
-                if found:
-                    return Selection(index, "", found)
-        return _only_layer(specs, candidates, part)
+        return _plain(specs, candidates) or _only_layer(specs, candidates, part)
     for index in candidates:
         found = _pick(specs[index].channelnames, layer + ".", (*_RGBA, *_GREY))
         if found:
@@ -143,6 +140,31 @@ def _pick(channels: Sequence[str], prefix: str, families: Iterable[tuple[str, ..
     return None
 
 
+def _plain(specs: Sequence[oiio.ImageSpec], parts: Sequence[int]) -> Selection | None:
+    """Return plain R, G, B, else plain Y, of the part whose name is most like a picture's; None where there is none."""
+    for names in (_RGBA, _GREY):
+        found = [Selection(i, "", pick) for i in parts if (pick := _pick(specs[i].channelnames, "", names))]
+        if not found:
+            continue
+        best = min(found, key=lambda each: rank(part_name(specs[each.part])))
+        if is_other(part_name(specs[best.part])) and any(map(is_picture, _color_layers(specs, parts))):
+            return None
+        return best._replace(note=_which(specs, best, found))
+    return None
+
+
+def _which(specs: Sequence[oiio.ImageSpec], chosen: Selection, found: Sequence[Selection]) -> str:
+    """Return for the log which of several parts or views is read; "" where there is no other."""
+    if len(found) > 1:
+        names = [part_name(specs[each.part]) or str(each.part) for each in found]
+        mine = names[found.index(chosen)]
+        return f"part {printable(mine)!r} is read, one of {len(found)} with colour: {few(names)}; `part` says which"
+    views = views_of(specs[chosen.part])
+    if len(views) > 1 and any(layer in views for layer in _color_layers(specs, [chosen.part])):
+        return f"view {printable(views[0])!r} is read, one of {len(views)}: {few(views)}; `layer` says which"
+    return ""
+
+
 def _color_layers(specs: Sequence[oiio.ImageSpec], parts: Sequence[int]) -> dict[str, Selection]:
     """Return every layer with red, green and blue, by name."""
     layers: dict[str, Selection] = {}
@@ -155,20 +177,36 @@ def _color_layers(specs: Sequence[oiio.ImageSpec], parts: Sequence[int]) -> dict
 
 
 def _only_layer(specs: Sequence[oiio.ImageSpec], parts: Sequence[int], part: str | int) -> Selection:
-    """Choose a layer of a file without plain R, G, B: Blender's "Combined", or the only layer that has colour.
+    """Choose a layer of a file without plain R, G, B: the one that is named as a picture, or the only one with colour.
 
-    Raises ReadError where there is none, or a choice that nobody but the user can make.
+    Of a stereo file the default view is chosen. Raises ReadError where there is no colour, or a choice that nobody but
+    the user can make, as between two of Blender's view layers.
     """
     layers = _color_layers(specs, parts)
-    combined = [layer for layer in layers if layer.endswith(".Combined")]
-    single = combined if len(combined) == 1 else list(layers)
+    names = _of_default_view(specs, parts, list(layers))
+    best = min((rank(name) for name in names), default=None)
+    named = [name for name in names if is_picture(name) and rank(name) == best]
+    single = named or names
     if len(single) == 1:
         chosen = layers[single[0]]
-        return chosen._replace(note=f"no plain R, G, B: layer {chosen.layer!r} is read")
+        of = f", one of {len(layers)} with colour: {few(list(layers))}; `layer` says which" if len(layers) > 1 else ""
+        return chosen._replace(note=f"no plain R, G, B: layer {chosen.layer!r} is read{of}")
     hint = ""
     if layers:
         hint = "layer: " + few([repr(name) for name in layers], " or ")
     raise ReadError(f"no R, G, B and no Y to read as colour; {listing(specs)}", code="no-color", hint=hint)
+
+
+def _of_default_view(specs: Sequence[oiio.ImageSpec], parts: Sequence[int], layers: list[str]) -> list[str]:
+    """Return the layers without those of other views than the first, "Combined.right" beside "Combined.left"."""
+    views = next((views for index in parts if (views := views_of(specs[index]))), ("left", "right"))
+    kept = []
+    for name in layers:
+        before, dot, last = name.rpartition(".")
+        first = f"{before}{dot}{views[0]}"
+        if last not in views[1:] or first not in layers:
+            kept.append(name)
+    return kept
 
 
 def check_windows(specs: Sequence[oiio.ImageSpec], chosen: Sequence[Selection]) -> None:

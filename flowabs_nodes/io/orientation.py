@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio
@@ -18,7 +20,7 @@ _TURNS = {
 }
 
 
-def upright(pixels: npt.NDArray[np.float32], spec: oiio.ImageSpec) -> npt.NDArray[np.float32]:
+def upright(pixels: npt.NDArray[Any], spec: oiio.ImageSpec) -> npt.NDArray[Any]:
     """Return (H, W, C) pixels turned as the Orientation of ``spec`` says; ``spec`` is changed to match."""
     turn = _TURNS.get(spec.get_int_attribute("Orientation", 1))
     if turn is None:

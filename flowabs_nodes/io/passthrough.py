@@ -8,13 +8,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+import OpenImageIO as oiio
 
 from flowabs_nodes.errors import WriteError, nearest
 from flowabs_nodes.image import Origin
 from flowabs_nodes.io.exr_header import header_of_part
 from flowabs_nodes.io.image_file import PictureFile, open_picture
 from flowabs_nodes.io.layers import layer_of, part_name
+from flowabs_nodes.io.orientation import upright
 from flowabs_nodes.io.output_image import Picture, moved, windows
+from flowabs_nodes.io.views import read_view, renamed, views_of
 
 Planes = dict[str, npt.NDArray[Any]]
 
@@ -47,6 +50,8 @@ def passthrough_layers(picture: Picture, warn: Callable[[str], None]) -> Passthr
             return Passthrough({})
         chosen = _chosen(file, origin, wanted, set(picture.layers))
         mine = file.read_native(origin.part, chosen.pop(origin.part, []))
+        views = views_of(file.specs[origin.part])
+        mine = {renamed(name, views, read_view(origin, views)): plane for name, plane in mine.items()}
         if mine and data != picture.image.data_window:
             warn("keep_layers: the picture has another data window than the plate; its other layers are cut to it")
             mine = {name: moved(plane, data, picture.image.data_window) for name, plane in mine.items()}
@@ -61,14 +66,20 @@ def passthrough_layers(picture: Picture, warn: Callable[[str], None]) -> Passthr
 def alpha_left_out(picture: Picture, warn: Callable[[str], None]) -> Planes:
     """Read the A that the image does not have but its plate does, so that it is not lost; {} where there is none.
 
-    The plane is in the file's own data type, on the image's data window.
+    The plane is on the image's data window, upright like the image, and in the file's own type of float; whole numbers
+    become 0..1, 8 bits as half and more as float, which both hold exactly.
     """
     image, origin = picture.image, picture.image.origin
     if origin is None or not origin.alpha or image.type != "color" or "A" in image.channels:
         return {}
     with open_picture(origin.file, picture.settings) as file:
+        spec = oiio.ImageSpec(file.specs[origin.part])
         plane = file.read_native(origin.part, [origin.alpha])[origin.alpha]
-        data, display = windows(file.specs[origin.part])
+        if file.format.integers == "normalized":
+            plane = _as_float(plane)
+        if file.format.oriented:
+            plane = np.ascontiguousarray(upright(plane[..., None], spec)[..., 0])
+    data, display = windows(spec)
     window = image.data_window
     if not plane.any():
         return {"A": np.zeros((window.height, window.width), plane.dtype)}
@@ -76,6 +87,14 @@ def alpha_left_out(picture: Picture, warn: Callable[[str], None]) -> Planes:
         warn("alpha: the picture has another size than the plate; the alpha that was ignored is left out")
         return {}
     return {"A": moved(plane, data, window)}
+
+
+def _as_float(plane: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Return a plane of a photograph as EXR can hold it: half and float stay, whole numbers become 0..1."""
+    if plane.dtype.kind in "ui":
+        scaled = plane / np.float64(np.iinfo(plane.dtype).max)
+        return scaled.astype(np.float16 if plane.dtype.itemsize == 1 else np.float32)
+    return plane if plane.dtype in (np.float16, np.float32) else plane.astype(np.float32)
 
 
 def _chosen(file: PictureFile, origin: Origin, wanted: list[str], new: set[str]) -> dict[int, list[str]]:
@@ -86,14 +105,21 @@ def _chosen(file: PictureFile, origin: Origin, wanted: list[str], new: set[str])
     for part, spec in enumerate(file.specs):
         own = part == origin.part
         whole = "" if own else part_name(spec)
+        views = views_of(spec) if own else ()
+        # Where another view than the default is read, the plain R, G, B are a layer, the default view's.
+        aside = bool(views) and read_view(origin, views) != views[0]
         for channel in spec.channelnames:
             layer = layer_of(channel)
             names = {name for name in (layer, whole) if name}
+            if aside and "." not in channel:
+                names |= {views[0]}
             known |= names
             hits = {pattern for pattern in wanted for name in names if fnmatch.fnmatchcase(name, pattern)}
             matched |= hits
             named = bool(hits & names)
-            replaced = bool(names & new) or (own and (layer == "" or (channel in origin.channels and not named)))
+            replaced = bool(names & new) or (
+                own and ((layer == "" and not aside) or (channel in origin.channels and not (named and not aside)))
+            )
             if hits and not replaced:
                 if spec.deep:
                     raise WriteError(

@@ -11,6 +11,7 @@ import OpenImageIO as oiio
 from flowabs_nodes import color
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.color import ocio
+from flowabs_nodes.color.detection import forget
 from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.image import Image, Origin
 from flowabs_nodes.io import alpha as alphas
@@ -77,6 +78,7 @@ def read_image(
             pixels = file.read(chosen.part, chosen.channels)
             format = file.format
         detected = _colorspace(source, format, colorspace, settings)
+        _keep_only_true_tags(source, format, colorspace, detected, settings)
         for text in (chosen.note, f"colour space {detected.how}"):
             if text:
                 note(text)
@@ -148,6 +150,16 @@ def _colorspace(source: oiio.ImageSpec, format: Format, given: str, settings: Se
         return color.detect(source, declared.name, settings.ocio, said_by=declared.source)
     photographed = format.display_referred and source.format.basetype not in (oiio.HALF, oiio.FLOAT, oiio.DOUBLE)
     return color.detect(source, given, settings.ocio, display_referred=photographed)
+
+
+def _keep_only_true_tags(
+    source: oiio.ImageSpec, format: Format, given: str, detected: color.Detected, settings: Settings
+) -> None:
+    """Remove a header's words on its colours where the user says that they are other colours."""
+    if given not in ("", "auto"):
+        said = _colorspace(source, format, "auto", settings)
+        if (said.space, said.encoding) != (detected.space, detected.encoding):
+            forget(source)
 
 
 def _coverage(pixels: Array, chosen: Selection, policy: str, note: Say) -> tuple[Array | None, str]:

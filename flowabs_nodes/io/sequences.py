@@ -11,12 +11,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from flowabs_nodes.errors import CommandError, ReadError
+from flowabs_nodes.io.settings import refuse_shell_words
 
 #: The most frames one range may come to.
 MAX_FRAMES = 1_000_000
 
 _RANGE = re.compile(r"(-?\d{1,18})(?:-(-?\d{1,18})(?:x(\d{1,18}))?)?")
-_TOKEN = re.compile(r"#+|@+|%\d*d(?![A-Za-z])|\$F\d*")
+#: One # or @ before a digit is none: "icon@2x.png" and "take#2.exr" are names, and 1 before 2 would read as 12.
+_TOKEN = re.compile(r"#{2,}|#(?!\d)|@{2,}|@(?!\d)|%\d*d(?![A-Za-z])|\$F\d*+(?![A-Za-z])")
 
 
 def parse_frames(text: str) -> tuple[int, ...]:
@@ -59,13 +61,24 @@ class Source:
 class Sequence:
     """A file name, with or without one frame token (``####``, ``%04d``, ``$F4``, ``@@@``) in its last part.
 
-    Widths are strict, as in Nuke: ``####`` is 0001 and 12345, never 1. Folders are taken literally.
+    Widths are strict, as in Nuke: ``####`` is 0001 and 12345, never 1. A negative frame is read from either of its
+    names, -001 as printf writes it, and -0001 as Blender does; it is written as the first. Folders are taken literally.
+
+    ``literal`` takes the whole name literally, as that of a single picture. Raises CommandError for a name with two
+    tokens or with a range in it, and for one that only a shell would understand.
     """
 
     pattern: str
+    literal: bool = False
 
     def __post_init__(self) -> None:
-        _ = self._parts  # a name with two tokens, or with a range in it, is refused at once
+        refuse_shell_words(self.pattern)
+        _ = self._parts
+
+    @classmethod
+    def to_read(cls, pattern: str) -> Sequence:
+        """Return the sequence to read; a single picture where a file has this very name."""
+        return cls(pattern, literal=os.path.exists(pattern))
 
     @property
     def has_token(self) -> bool:
@@ -77,21 +90,22 @@ class Sequence:
         """The pattern as text before the number, the number's width, text after it; None for a single picture."""
         folder, name = os.path.split(self.pattern)
         tokens = list(_TOKEN.finditer(name))
-        if not tokens:
+        if not tokens or self.literal:
             return None
         if len(tokens) > 1:
             found = " and ".join(token[0] for token in tokens)
             raise CommandError(f"a name has one frame token, found {found}", code="bad-sequence", file=self.pattern)
         import fileseq  # a parser that single pictures need not wait for
 
+        token = tokens[0]
+        before, after = (re.sub("[#@]", "_", text) for text in (name[: token.start()], name[token.end() :]))
         try:
-            numbered = fileseq.FileSequence(name, pad_style=fileseq.PAD_STYLE_HASH1)
+            numbered = fileseq.FileSequence(before + token[0] + after, pad_style=fileseq.PAD_STYLE_HASH1)
         except fileseq.FileSeqException as error:
             raise CommandError(f"not a sequence: {error}", code="bad-sequence", file=self.pattern) from None
         if numbered.frameSet():
             found = numbered.frameRange()
             raise CommandError(f"a range, {found}, does not belong in the name", code="bad-sequence", file=self.pattern)
-        token = tokens[0]
         return os.path.join(folder, name[: token.start()]), numbered.zfill(), name[token.end() :]
 
     def path(self, frame: int) -> str:
@@ -101,17 +115,47 @@ class Sequence:
         before, width, after = self._parts
         return f"{before}{frame:0{width}d}{after}"
 
+    def paths(self, frame: int) -> tuple[str, ...]:
+        """Return every name that a frame's file may have, the one of :meth:`path` first."""
+        if self._parts is None or frame >= 0:
+            return (self.path(frame),)
+        before, width, after = self._parts
+        return tuple(dict.fromkeys((self.path(frame), f"{before}-{-frame:0{width}d}{after}")))
+
+    def on_disk(self, frame: int) -> str | None:
+        """Return the file of a frame that is there; None where none is."""
+        return next((path for path in self.paths(frame) if os.path.exists(path)), None)
+
     def frame_of(self, name: str) -> int | None:
         """Return the frame of a file name without folder; None for a file that is not of this sequence."""
         if self._parts is None:
             return 1 if name == os.path.basename(self.pattern) else None
-        before, _, after = self._parts
-        start = os.path.basename(before)
-        match = re.fullmatch(re.escape(start) + r"(-?\d{1,18})" + re.escape(after), name)
-        if match is None:
+        frame = self._number_in(name)
+        if frame is None:
             return None
-        frame = int(match[1])
-        return frame if os.path.basename(self.path(frame)) == name else None
+        return frame if name in map(os.path.basename, self.paths(frame)) else None
+
+    def _number_in(self, name: str) -> int | None:
+        """Return the number that stands in a file name where this sequence has its token, of any width; else None."""
+        assert self._parts is not None
+        before, _, after = self._parts
+        match = re.fullmatch(re.escape(os.path.basename(before)) + r"(-?\d{1,18})" + re.escape(after), name)
+        return int(match[1]) if match else None
+
+    def passed_over(self) -> tuple[str, ...]:
+        """Return the files beside the sequence's own that have a number of another width, in order; without folder.
+
+        A second file of one negative frame is among them. A folder that cannot be listed has none.
+        """
+        if self._parts is None:
+            return ()
+        try:
+            names = os.listdir(os.path.dirname(self.pattern) or ".")
+        except OSError:
+            return ()
+        numbers = {name: number for name in names if (number := self._number_in(name)) is not None}
+        read = {os.path.basename(self.on_disk(number) or "") for number in numbers.values()}
+        return tuple(sorted(name for name in numbers if name not in read))
 
     def frames_on_disk(self) -> tuple[int, ...]:
         """Return the frames that are on disk, in order; a single picture is frame 1. Raises ReadError."""
@@ -132,8 +176,9 @@ class Sequence:
         Raises ReadError where the file is missing and the policy finds no other.
         """
         path = self.path(frame)
-        if os.path.exists(path):
-            return Source(path, frame)
+        found = self.on_disk(frame)
+        if found is not None:
+            return Source(found, frame)
         if missing == "skip":
             return Source(None, frame, skip=True)
         there = self.frames_on_disk() if missing != "error" and self.has_token else ()
@@ -149,4 +194,4 @@ class Sequence:
                 message = "no such file: its folder does not exist"
             raise ReadError(message, code="missing-file", file=path, frame=frame, hint=hint)
         nearest = min(there, key=lambda other: (abs(other - frame), other))
-        return Source(self.path(nearest), frame, black=missing == "black")
+        return Source(self.on_disk(nearest) or self.path(nearest), frame, black=missing == "black")

@@ -40,6 +40,7 @@ def checked(path: str | os.PathLike[str], settings: Settings) -> Path:
         raise CommandError(f"{name!r} is not the name of a file", code="bad-path")
     if re.match(r"[A-Za-z][A-Za-z0-9+.-]+://", name):
         raise CommandError(f"{name!r} is an address, not a file", code="bad-path", hint="give a path on this machine")
+    refuse_shell_words(name)
     if settings.root is not None and not within(name, settings.root):
         raise CommandError(
             f"outside {os.fspath(settings.root)}, the folder this run may read and write",
@@ -47,6 +48,38 @@ def checked(path: str | os.PathLike[str], settings: Settings) -> Path:
             file=name,
         )
     return Path(name)
+
+
+#: What a shell expands, or another system understands, in the name of a file; each with what to write instead.
+_SHELL_WORDS = (
+    (re.compile(r"~[^/\\]*(?=[/\\])|~$"), "write the whole path, {home}: ~ is expanded by shells, outside of quotes"),
+    (
+        re.compile(r".*?(\$\{[^}]*\}|\$(?!F\d*+(?![A-Za-z_]))[A-Za-z_]\w*)", re.DOTALL),
+        "write the path itself: variables are expanded by shells, outside of single quotes",
+    ),
+    (
+        re.compile(r".*?(%[A-Za-z_][\w()]*%)", re.DOTALL),
+        "write the path itself: variables are expanded by the command prompt",
+    ),
+)
+_WINDOWS_PATH = re.compile(r"[A-Za-z]:[\\/]|\\\\|.*\\")
+
+
+def refuse_shell_words(name: str) -> None:
+    """Raise CommandError for a name with ``~``, ``$SHOT``, ``%NAME%`` or, but on Windows, backslashes in it.
+
+    It would only be found, or made, in a folder of that very name. A file that has the very name is no mistake.
+    """
+    if os.path.exists(name):
+        return
+    for pattern, hint in _SHELL_WORDS:
+        if match := pattern.match(name):
+            word = match[1] if match.re.groups else match[0]
+            hint = hint.format(home=os.path.expanduser(name)) if "{home}" in hint else hint
+            raise CommandError(f"{word} in a path is not expanded here", code="bad-path", file=name, hint=hint)
+    if os.name != "nt" and _WINDOWS_PATH.match(name):
+        hint = "write a path of this machine, with /"
+        raise CommandError("a path of Windows, which this machine is not", code="bad-path", file=name, hint=hint)
 
 
 def within(path: str | os.PathLike[str], root: str | os.PathLike[str]) -> bool:

@@ -59,6 +59,7 @@ class Param:
     required: Flag = False
     scales: Whole = 0
     role: Literal["", "input", "output"] = ""  # of a file
+    pictures: Flag = False  # of a file to read: it is of a format in flowabs_nodes.io.formats, which is checked first
     in_key: Flag = True  # False: does not change the picture, so not the key either (a written file's path)
     schema: Mapping[str, Any] = field(default_factory=dict, hash=False)  # custom: its JSON Schema
     parse: Callable[[Any], str | None] | None = None  # custom: what is wrong with a value, or None
@@ -152,9 +153,16 @@ class Param:
         return Param(name, "color", default, help, **panel)
 
     @staticmethod
-    def file(name: str, *, role: Literal["input", "output"], help: str, **panel: Unpack[Panel]) -> Param:
-        """Declare a path or sequence pattern; required, but a run may set it from outside."""
-        return Param(name, "file", None, help, required=True, role=role, in_key=role == "input", **panel)
+    def file(
+        name: str, *, role: Literal["input", "output"], pictures: Flag = False, help: str, **panel: Unpack[Panel]
+    ) -> Param:
+        """Declare a path or sequence pattern; required, but a run may set it from outside.
+
+        ``pictures`` says of files to read that they are pictures of the formats of :mod:`flowabs_nodes.io.formats`: a
+        file of another kind is then refused before the first frame, and never read to its end.
+        """
+        kept = role == "input"
+        return Param(name, "file", None, help, required=True, role=role, pictures=pictures, in_key=kept, **panel)
 
     @staticmethod
     def custom(

@@ -76,15 +76,19 @@ READ = Node(
     inputs=(),
     outputs=(Port("image", "color", "R, G, B and, where the file has it, A; a grey plate is colour with R = G = B."),),
     params=(
-        Param.file("file", role="input", help="File or sequence: plate.exr, plate.####.exr, plate.%04d.exr."),
+        Param.file(
+            "file", role="input", pictures=True, help="File or sequence: plate.exr, plate.####.exr, plate.%04d.exr."
+        ),
         layer_param('Layer to read: "" is the plain R, G, B, A.'),
-        part_param('Part of a multi-part EXR, by name or number: "" is the first with R, G, B.'),
+        part_param(
+            'Part of a multi-part EXR, by name or number: "" is rgba, beauty or Combined, else the first with R, G, B.'
+        ),
         Param.string(
             "colorspace",
             "auto",
             label="Colour space",
             group="Pixels",
-            help="Colour space of the file: any OCIO name. auto: its tag, chromaticities, or lin_rec709.",
+            help="Colour space of the file: any OCIO name. auto: its tag, profile, chromaticities, or lin_rec709.",
         ),
         Param.enum(
             "alpha",
@@ -107,10 +111,14 @@ READ = Node(
     doc=" ".join(
         (
             f"Photographs ({formats.listed(formats.DISPLAY_REFERRED, ', ')}) count as sRGB and become linear Rec.709",
-            "unless they say otherwise.",
+            "unless they say otherwise: by an ICC profile (curves and primaries; a table of colours is passed over, as",
+            "the log says), and a PNG by cICP, gAMA and cHRM. White of PQ and HLG becomes 1 (203 cd/m2, the code .75).",
+            "Of several parts with colour, one named rgba, beauty or Combined goes first; the log says which is read.",
+            "Frame -1 may be called -001 or -0001; the log names files whose number has another width than the token.",
+            "A file that has the very name, such as icon@2x.png, is that file.",
             *(format.help for format in formats.ALL if format.help),
             "Windows and metadata go along to `write`. An alpha that is ignored, or 0 in every pixel, is written again",
-            "as it was.",
+            "as it was, into an EXR.",
         )
     ),
 )
@@ -131,7 +139,7 @@ READ_AOV = Node(
     inputs=(),
     outputs=(Port("data", "data", "The layer's channels, under their own names."),),
     params=(
-        Param.file("file", role="input", help="File or sequence: render.exr, render.####.exr."),
+        Param.file("file", role="input", pictures=True, help="File or sequence: render.exr, render.####.exr."),
         layer_param('Layer, or one channel such as Z or N.X: "" is every channel of the part.'),
         part_param('Part of a multi-part EXR, by name or number: "" is the first that has the layer.'),
         MISSING_PARAM,

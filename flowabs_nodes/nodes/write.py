@@ -12,7 +12,8 @@ from flowabs_nodes.nodes.declare import Context, Node, Param, Port
 
 
 def _metadata_problem(value: Any) -> str | None:
-    from flowabs_nodes.io.attributes import settable
+    from flowabs_nodes.errors import WriteError
+    from flowabs_nodes.io.attributes import given, settable
 
     expected = "an object from attribute names to texts or numbers"
     if not isinstance(value, dict):
@@ -23,6 +24,10 @@ def _metadata_problem(value: Any) -> str | None:
         number = isinstance(content, int | float) and not isinstance(content, bool) and math.isfinite(content)
         if not isinstance(content, str) and not number:
             return f"{expected}; {name!r} is {content!r}"
+        try:
+            given(name, content)
+        except WriteError as error:
+            return error.message.removeprefix("metadata ")
     return None
 
 
@@ -93,7 +98,7 @@ WRITE = Node(
             "plate",
             label="Colour space",
             group="Encoding",
-            help="plate: the plate's own (EXR), sRGB for photographs, PNG and TIFF; or any OCIO name.",
+            help="plate: the plate's own; sRGB in a PNG or TIFF of a scene-linear plate; or any OCIO name.",
         ),
         Param.custom(
             "metadata",
@@ -105,7 +110,7 @@ WRITE = Node(
             },
             parse=_metadata_problem,
             group="Header",
-            help="Attributes to set, by name: texts or numbers.",
+            help="Attributes to set, by name: texts or numbers. Standard ones get their EXR type.",
         ),
     ),
     run=run_write,
@@ -114,7 +119,10 @@ WRITE = Node(
         "become layers: `n` is written as n.R, n.G, n.B[, n.A] (color), n.Y (mono, matte), n.x, n.y (flow), n.Z "
         "(depth), n.X, n.Y, n.Z (normal), n.X, n.Y, n.Z, n.W (motion), n.id (id) or n.<last part of its name> (data). "
         "Depth, normals and motion are always 32-bit floats and ids 32-bit whole numbers, bit for bit, whatever "
-        "data_type says. PNG and TIFF hold the image alone, on the display window, encoded for the screen. "
+        "data_type says. What a header says of colours, views and ACES containers stays only where it is still true. "
+        "Standard attributes in `metadata` get their EXR type: framesPerSecond 23.976, timeCode 01:00:00:00. "
+        "PNG and TIFF hold the image alone, on the display window, encoded for the screen, with an ICC profile where "
+        "that is not sRGB. "
         "Compressions dwaa, dwab, b44 and b44a change the picture each time it is saved."
     ),
 )

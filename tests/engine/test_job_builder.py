@@ -1,16 +1,19 @@
 """Jobs: how small they are, and which commands are refused before anything is written."""
 
+import os
 import pickle
+import time
 from dataclasses import replace
 
 import pytest
 
 from flowabs_nodes import engine
+from flowabs_nodes.engine import sources
 from flowabs_nodes.engine.job_builder import build_job
 from flowabs_nodes.engine.options import RunOptions
 from flowabs_nodes.errors import CommandError, FlowabsError
 from flowabs_nodes.io.settings import Settings
-from tests.engine.sequences import document
+from tests.engine.sequences import document, plate
 
 
 def test_a_job_is_small_however_many_frames_there_are_and_holds_every_rule(shot, out):
@@ -88,3 +91,77 @@ def test_a_graph_that_writes_nothing(shot):
     with pytest.raises(CommandError) as failure:
         engine.run(graph, input=shot)
     assert failure.value.code == "no-write"
+
+
+@pytest.mark.parametrize("kind", ["movie", "device", "pipe", "folder", "link", "png", "huge", "text_name"])
+def test_what_is_no_picture_is_refused_before_it_is_read(tmp_path, out, kind):
+    path = tmp_path / ("clip.mov" if kind in ("movie", "text_name") else "in.exr")
+    if kind == "movie":
+        with path.open("wb") as file:
+            file.truncate(3 * 2**30)
+    elif kind == "huge":
+        path = tmp_path / "huge.mp4"
+        with path.open("wb") as file:
+            file.truncate(2**40)
+    elif kind == "device":
+        path.symlink_to("/dev/zero")
+    elif kind == "pipe":
+        os.mkfifo(path)
+    elif kind == "folder":
+        path.mkdir()
+    elif kind == "link":
+        path.symlink_to(tmp_path)
+    elif kind == "png":
+        path.write_bytes(b"\x89PNG\r\n\x1a\n" + b"\0" * 100)
+    start = time.perf_counter()
+    with pytest.raises(CommandError) as caught:
+        engine.run(document(), input=str(path), output=out.replace("####", "0001"))
+    assert time.perf_counter() - start < 5
+    assert caught.value.code in ("bad-format", "not-a-file")
+    assert caught.value.file == str(path)
+
+
+def test_a_sequence_of_no_picture_format_is_a_wrong_command(tmp_path, out):
+    with pytest.raises(CommandError, match="not a picture format"):
+        engine.run(document(), input=str(tmp_path / "clip.####.mov"), output=out, frames="1-3")
+
+
+def test_one_frame_that_is_no_picture_fails_alone(shot, out, tmp_path):
+    (tmp_path / "in/plate.0002.exr").unlink()
+    (tmp_path / "in/plate.0002.exr").symlink_to("/dev/zero")
+    report = engine.run(document(), input=shot, output=out)
+    assert report.exit_code == 1
+    assert [each.status for each in report.frames] == ["done", "failed", "done"]
+    assert "a device" in str(report.frames[1].error)
+
+
+def test_a_picture_that_is_too_large_is_not_hashed(tmp_path, out, monkeypatch):
+    path = plate(tmp_path / "in.exr")
+    monkeypatch.setattr(sources, "content_hash", lambda path: pytest.fail("read"))
+    report = engine.run(document(), input=str(path), output=out, frames="1", max_pixels=100)
+    assert report.frames[0].error.code == "too-large"
+
+
+def test_files_passed_over_are_told_in_one_line(shot, out, tmp_path):
+    for name in ("plate.7.exr", "plate.00008.exr"):
+        plate(tmp_path / "in" / name)
+    events = []
+    report = engine.run(document(), input=shot, output=out, on_event=events.append)
+    told = [each for each in events if "plate.00008.exr, plate.7.exr" in str(each)]
+    assert len(told) == 1
+    assert len(report.frames) == 3
+
+
+def test_a_name_that_looks_like_a_sequence(tmp_path):
+    path = plate(tmp_path / "take#2.exr")
+    report = engine.run(document(), input=str(path), output=str(tmp_path / "o@2x.exr"))
+    assert report.exit_code == 0
+    assert (tmp_path / "o@2x.exr").exists()
+
+
+def test_negative_frames_of_blender_are_done(tmp_path, out):
+    for name in ("b-0001.exr", "b0000.exr", "b0001.exr"):
+        plate(tmp_path / "in" / name)
+    report = engine.run(document(), input=str(tmp_path / "in/b####.exr"), output=out)
+    assert [each.frame for each in report.frames] == [-1, 0, 1]
+    assert report.exit_code == 0

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import OpenEXR
 import OpenImageIO as oiio
+import pytest
 
 from flowabs_nodes.color import space, spaces
 from flowabs_nodes.image import Image
@@ -171,3 +172,34 @@ def test_a_part_of_a_file_becomes_a_file(tmp_path: Path) -> None:
     )
     out, _ = written(read_image(plate), tmp_path / "out.exr")
     assert attributes(out) == attributes(plate, 1)
+
+
+def aces(tmp_path: Path, **changed: Any) -> Path:
+    header = {"acesImageContainerFlag": 1, "chromaticities": AP0, "compression": OpenEXR.NO_COMPRESSION}
+    return exr(tmp_path / "aces.exr", planes(colors()), **(header | changed))
+
+
+def flag(path: Path) -> Any:
+    return OpenEXR.File(str(path), header_only=True).header().get("acesImageContainerFlag")
+
+
+def test_an_aces_container_stays_one(tmp_path: Path) -> None:
+    assert flag(written(read_image(aces(tmp_path)), tmp_path / "out.exr")[0]) == 1
+
+
+@pytest.mark.parametrize(
+    ("read", "write"),
+    [
+        ({}, {"compression": "zip"}),
+        ({}, {"data_type": "float"}),
+        ({}, {"colorspace": "lin_rec709"}),
+        ({}, {"colorspace": "ACEScg"}),
+        ({"colorspace": "lin_rec709"}, {}),
+        ({}, {"layers": {"lines": None}}),
+    ],
+)
+def test_what_is_no_aces_container_does_not_say_so(tmp_path: Path, read: Any, write: Any) -> None:
+    image = read_image(aces(tmp_path), **read)
+    if "layers" in write:
+        write = {"layers": {"lines": like(image, image.pixels[..., :1], "matte")}}
+    assert flag(written(image, tmp_path / "out.exr", **write)[0]) is None

@@ -35,3 +35,13 @@ def test_missing(tmp_path: Path) -> None:
     assert caught.value.code == "missing-file"
     with pytest.raises(ReadError, match="cannot be read"):
         content_hash(tmp_path)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes")
+def test_what_never_ends_is_not_read(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.exr")
+    (tmp_path / "zero.exr").symlink_to("/dev/zero")
+    for name, what in (("pipe.exr", "a pipe"), ("zero.exr", "a device"), (".", "a folder")):
+        with pytest.raises(ReadError, match=what) as caught:
+            content_hash(tmp_path / name)
+        assert caught.value.code == "not-a-file"

@@ -133,3 +133,50 @@ def test_hostile_names_do_not_reach_the_terminal() -> None:
 
 def test_layer_of() -> None:
     assert [layer_of(name) for name in ("diffuse.R", "a.b.R", "Z", "R", "A")] == ["diffuse", "a.b", "Z", "", ""]
+
+
+@pytest.mark.parametrize(
+    ("names", "picture"),
+    [
+        (("N", "albedo", "rgba"), "rgba"),
+        (("N", "beauty", "Z"), "beauty"),
+        (("position", "hero"), "hero"),
+        (("albedo", "ViewLayer.Combined", "ViewLayer.Normal"), "ViewLayer.Combined"),
+        (("diffuse", "RGBA.left", "RGBA.right"), "RGBA.left"),
+        (("left", "right"), "left"),
+        (("N", "P"), "N"),
+    ],
+)
+def test_the_part_named_as_a_picture_is_read_and_noted(names: tuple[str, ...], picture: str) -> None:
+    chosen = choose_color([spec("R", "G", "B", name=name) for name in names])
+    assert names[chosen.part] == picture
+    assert chosen.note.startswith(f"part {picture!r} is read, one of {len(names)} with colour")
+    assert choose_color([spec("R", "G", "B", name=name) for name in names], part=names[0]).part == 0
+
+
+def layers(*names: str) -> list[str]:
+    return [f"{name}.{channel}" for name in names for channel in "RGB"]
+
+
+def test_the_compositors_picture_goes_before_the_render() -> None:
+    chosen = choose_color([spec(*layers("ViewLayer.Combined", "Composite.Combined", "ViewLayer.Normal"))])
+    assert chosen.layer == "Composite.Combined"
+    assert "one of 3" in chosen.note
+
+
+def test_a_layer_named_as_a_picture_is_read() -> None:
+    assert choose_color([spec(*layers("N", "beauty", "albedo"))]).layer == "beauty"
+    normals_first = [spec("R", "G", "B", name="N"), spec(*layers("beauty"), name="beauty")]
+    assert choose_color(normals_first).layer == "beauty"
+
+
+def test_of_stereo_layers_the_first_view_is_read() -> None:
+    both = spec(*layers("ViewLayer.Combined.right", "ViewLayer.Combined.left"))
+    assert choose_color([both]).layer == "ViewLayer.Combined.left"
+    both.attribute("multiView", "string[2]", ("right", "left"))
+    assert choose_color([both]).layer == "ViewLayer.Combined.right"
+
+
+def test_two_view_layers_are_a_question() -> None:
+    with pytest.raises(ReadError, match=r"'A.Combined' or 'B.Combined'"):
+        choose_color([spec(*layers("A.Combined", "B.Combined"))])

@@ -202,3 +202,36 @@ def test_a_plate_that_is_gone_takes_nothing_with_it_silently(tmp_path: Path) -> 
     assert not (tmp_path / "out.exr").exists()
     _, warned = written(image, tmp_path / "out.exr")
     assert "word for word" in warned[0]
+
+
+@pytest.mark.parametrize("suffix", [".png", ".tif"])
+@pytest.mark.parametrize(
+    ("dtype", "stored"), [(np.uint8, np.float16), (np.uint16, np.float32), (np.float32, np.float32)]
+)
+@pytest.mark.parametrize("empty", [False, True])
+def test_a_photographs_alpha_becomes_0_to_1(tmp_path: Path, suffix: str, dtype: Any, stored: Any, empty: bool) -> None:
+    if dtype == np.float32 and suffix == ".png":
+        return
+    largest = np.iinfo(dtype).max if dtype != np.float32 else 1
+    pixels = (np.clip(colors(channels=4, dtype=np.float64) / 2, 0, 1) * largest).astype(dtype)
+    pixels[..., 3] *= not empty
+    image = read_image(flat(tmp_path / f"a{suffix}", pixels), alpha="auto" if empty else "ignore")
+    out, warned = written(image, tmp_path / "out.exr")
+    found = native(out)["A"]
+    assert found.dtype == stored
+    if dtype == np.float32:
+        np.testing.assert_array_equal(found, pixels[..., 3])
+    else:
+        np.testing.assert_array_equal(np.rint(found.astype(np.float64) * largest), pixels[..., 3])
+    assert not warned
+
+
+@pytest.mark.parametrize("orientation", range(1, 9))
+def test_a_left_out_alpha_is_turned_with_the_picture(tmp_path: Path, orientation: int) -> None:
+    pixels = np.arange(6 * 4 * 4, dtype=np.uint8).reshape(6, 4, 4)
+    pixels[..., 3] = pixels[..., 0]
+    plate = flat(tmp_path / "a.tif", pixels, Orientation=orientation)
+    out, warned = written(read_image(plate, alpha="ignore"), tmp_path / "out.exr")
+    kept = written(read_image(plate), tmp_path / "kept.exr")[0]
+    np.testing.assert_array_equal(native(out)["A"], native(kept)["A"])
+    assert not warned

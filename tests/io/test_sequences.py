@@ -137,3 +137,47 @@ def test_missing_with_nothing_there(tmp_path: Path) -> None:
             Sequence(str(tmp_path / "s.####.exr")).resolve(1, missing)
         with pytest.raises(ReadError, match="no such file"):
             Sequence(str(tmp_path / "none" / "s.exr")).resolve(1, missing)
+
+
+@pytest.mark.parametrize(
+    "name", ["icon@2x.png", "take#2.exr", "o@2x.exr", "a@3x.tif", "#1.exr", "v@10.jpg", "$Final.exr"]
+)
+def test_names_that_only_look_like_sequences(tmp_path: Path, name: str) -> None:
+    touch(tmp_path, name)
+    assert not Sequence.to_read(str(tmp_path / name)).has_token
+    assert Sequence.to_read(str(tmp_path / name)).frames_on_disk() == (1,)
+    if "$" not in name:
+        assert Sequence(name).path(1) == name  # nothing has to be there for it to be written
+
+
+@pytest.mark.parametrize("name", ["a.####.exr", "a.%04d.exr", "a.$F4.exr", "a@@@.exr", "a.#.exr"])
+def test_a_file_of_the_very_name_is_that_file(tmp_path: Path, name: str) -> None:
+    assert Sequence.to_read(str(tmp_path / name)).has_token
+    touch(tmp_path, name)
+    assert Sequence.to_read(str(tmp_path / name)).resolve(7).path == str(tmp_path / name)
+
+
+def test_a_token_beside_what_is_none() -> None:
+    assert Sequence("icon@2x.####.png").path(7) == "icon@2x.0007.png"
+    assert Sequence("take#2_%03d.exr").path(7) == "take#2_007.exr"
+
+
+def test_blenders_negative_frames(tmp_path: Path) -> None:
+    touch(tmp_path, "b-0002.exr", "b-0001.exr", "b0000.exr", "b0001.exr")
+    sequence = Sequence(str(tmp_path / "b####.exr"))
+    assert sequence.frames_on_disk() == (-2, -1, 0, 1)
+    assert sequence.resolve(-1).path == str(tmp_path / "b-0001.exr")
+    assert sequence.resolve(-5, "nearest").path == str(tmp_path / "b-0002.exr")
+    assert sequence.passed_over() == ()
+    touch(tmp_path, "b-001.exr")  # as printf writes it: then Blender's is one too many
+    assert sequence.resolve(-1).path == str(tmp_path / "b-001.exr")
+    assert sequence.passed_over() == ("b-0001.exr",)
+
+
+def test_frames_of_another_width_are_named(tmp_path: Path) -> None:
+    touch(
+        tmp_path, "s.0001.exr", "s.2.exr", "s.003.exr", "s.00007.exr", "s.12345.exr", "s.-1.exr", "s.x.exr", "t.1.exr"
+    )
+    assert Sequence(str(tmp_path / "s.####.exr")).passed_over() == ("s.-1.exr", "s.00007.exr", "s.003.exr", "s.2.exr")
+    assert Sequence(str(tmp_path / "s.exr")).passed_over() == ()
+    assert Sequence(str(tmp_path / "no" / "s.#.exr")).passed_over() == ()

@@ -8,6 +8,7 @@ from __future__ import annotations
 import importlib
 import os
 import pkgutil
+import stat
 from collections.abc import Iterable
 
 from flowabs_nodes.errors import ReadError, WriteError
@@ -22,6 +23,9 @@ __all__ = [
     "Format",
     "by_content",
     "by_extension",
+    "check_extension",
+    "check_kind",
+    "found_in",
     "listed",
     "load",
     "to_read",
@@ -53,16 +57,20 @@ def by_content(start: bytes) -> Format | None:
     return next((format for format in ALL if start.startswith(format.magic)), None)
 
 
+def found_in(path: str | os.PathLike[str]) -> Format | None:
+    """Return the format that a file's first bytes are of; None where there are none, or of no known format."""
+    try:
+        with open(path, "rb") as file:
+            return by_content(file.read(16))
+    except (OSError, ValueError):
+        return None
+
+
 def to_read(path: str | os.PathLike[str]) -> Format:
     """Return the format of an existing file, whose first bytes must be what its name says. Raises ReadError."""
     name = os.fspath(path)
-    expected = by_extension(name)
-    if os.path.isdir(name):
-        raise ReadError("is a folder, not a picture", file=name)
-    if expected is None:
-        raise ReadError(
-            f"not a picture format that is read here; these are {_extensions(ALL)}", code="bad-format", file=name
-        )
+    check_kind(name)
+    expected = check_extension(name)
     try:
         with open(name, "rb") as file:
             start = file.read(16)
@@ -77,6 +85,31 @@ def to_read(path: str | os.PathLike[str]) -> Format:
         what = f"it is {found.article} {found.name} file" if found else "it does not begin as one does"
         raise ReadError(f"not {expected.article} {expected.name} file: {what}", code="bad-format", file=name)
     return expected
+
+
+def check_extension(path: str | os.PathLike[str]) -> Format:
+    """Return the format that the name of a file to read says. Raises ReadError where it says none."""
+    found = by_extension(path)
+    if found is None:
+        raise ReadError(
+            f"not a picture format that is read here; these are {_extensions(ALL)}",
+            code="bad-format",
+            file=os.fspath(path),
+        )
+    return found
+
+
+def check_kind(path: str | os.PathLike[str]) -> None:
+    """Raise ReadError for what is there but is no file: a folder, a device, a pipe, which might never end."""
+    name = os.fspath(path)
+    try:
+        mode = os.stat(name).st_mode
+    except (OSError, ValueError):
+        return  # opening it tells why
+    if not stat.S_ISREG(mode):
+        kinds = ((stat.S_ISDIR, "a folder"), (stat.S_ISFIFO, "a pipe"), (stat.S_ISSOCK, "a socket"))
+        what = next((what for is_kind, what in kinds if is_kind(mode)), "a device")
+        raise ReadError(f"cannot be read: it is {what}, not a file", code="not-a-file", file=name)
 
 
 def to_write(path: str | os.PathLike[str]) -> Format:

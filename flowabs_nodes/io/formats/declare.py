@@ -22,6 +22,10 @@ def _all_is_read(path: str) -> None:
     """Trust OpenImageIO with every file."""
 
 
+def _all_is_in_the_header(path: str, spec: oiio.ImageSpec) -> None:
+    """Trust OpenImageIO with every header."""
+
+
 def _openimageio_reads(specs: Sequence[oiio.ImageSpec], problem: str) -> str:
     """Leave every file to OpenImageIO."""
     return ""
@@ -67,6 +71,8 @@ class Format:
     check
         Given the path of a file that OpenImageIO could open, raises ReadError where OpenImageIO would read wrong pixels
         without a complaint.
+    complete
+        Given the path and the header of such a file, adds to the header what OpenImageIO leaves out.
 
     Writing:
 
@@ -99,6 +105,7 @@ class Format:
     integers: Literal["normalized", "exact"] = "normalized"
     reader: Callable[[Sequence[oiio.ImageSpec], str], str] = _openimageio_reads
     check: Callable[[str], None] = _all_is_read
+    complete: Callable[[str, oiio.ImageSpec], None] = _all_is_in_the_header
 
     encoder: str = ""
     data_types: tuple[str, ...] = ()
