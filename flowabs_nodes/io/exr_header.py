@@ -83,8 +83,11 @@ def set_views(header: dict[str, Any], image: Image, channels: Iterable[str], set
     views, origin = views_of(image.spec), image.origin
     if not views or origin is None or "multiView" not in header:
         return
-    with open_picture(origin.file, settings) as file:
-        before = views_there(file.specs[origin.part].channelnames, views, views[0])
+    try:
+        with open_picture(origin.file, settings) as file:
+            before = views_there(file.specs[origin.part].channelnames, views, views[0])
+    except (FlowabsError, IndexError):  # the plate is gone: what is written is all that is known
+        before = ()
     there = views_there(channels, views, read_view(origin, views))
     if there == before:
         return
