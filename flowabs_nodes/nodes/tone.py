@@ -19,7 +19,7 @@ def run_exposure(context: Context, image: Image, *, stops: float) -> Image:
     def brighten(rows: Array, first_row: int) -> None:
         light = rows[..., :3]
         largest = max(float(light.max()), -float(light.min()))
-        if largest * gain > np.finfo(np.float32).max:
+        if largest * gain > float(np.finfo(np.float32).max):
             message = f"stops: +{stops:g} takes the picture's largest light, {largest:.3g}, beyond float32"
             raise ArgumentError(message, parameter="stops")
         light *= np.float32(gain)
