@@ -7,8 +7,8 @@ run it; OpenCV's stylization is called as it is. Then Figs. 16 and 17 as numbers
 
 from __future__ import annotations
 
+import argparse
 import json
-import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,7 +20,6 @@ import OpenImageIO as oiio
 import flowabs_nodes
 from flowabs_nodes.color import srgb
 from flowabs_nodes.engine import RunnableGraph, load_graph
-from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.image import Image
 from flowabs_nodes.io.read import read_image
 from flowabs_nodes.io.settings import Settings
@@ -258,7 +257,10 @@ def _quiet(message: Any) -> None:
 
 if __name__ == "__main__":
     docs = Path(flowabs_nodes.__file__).resolve().parent.parent / "docs"
+    parser = argparse.ArgumentParser(prog="python -m tools.gallery.compare", description="Makes docs/compare again.")
+    parser.add_argument("folder", nargs="?", type=Path, default=docs / "compare", help="where to (docs/compare)")
+    given = parser.parse_args()
     try:
-        main(Path(sys.argv[1]) if len(sys.argv) > 1 else docs / "compare")
+        main(given.folder)
     except FlowabsError as error:
         sys.exit(f"flowabs: {error}")
