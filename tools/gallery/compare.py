@@ -21,6 +21,7 @@ import OpenImageIO as oiio
 import flowabs_nodes
 from flowabs_nodes.color import srgb
 from flowabs_nodes.engine import RunnableGraph, load_graph
+from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.image import Image
 from flowabs_nodes.io.read import read_image
 from flowabs_nodes.io.settings import Settings
