@@ -45,8 +45,10 @@ def scale_lengths(
 ) -> tuple[dict[str, Any], tuple[Note, ...]]:
     """Multiply lengths by ``factor``, divide quantities per pixel by it, and say what to warn of.
 
-    A scaled value outside the parameter's hard range becomes the range's end, with a warning. A length scaled below the
-    parameter's ``thin_below`` is kept, also with a warning.
+    A scaled value outside the parameter's hard range becomes the range's end, with a warning. Scaling shortens no
+    length below the parameter's ``floor``, and warns where it would: a line filter of a fraction of a pixel sees no
+    edge. A length that the graph itself gives below the floor is not made longer. A length scaled below the parameter's
+    ``thin_below`` is kept, also with a warning.
 
     Returns
     -------
@@ -66,7 +68,12 @@ def scale_lengths(
                 f"{name} {value:g} x {factor**param.scales:g} = {wanted:g} is not {param.range_text}: {fitting:g} used"
             )
             warnings.append(Note(text, warning=True, once=f"range {name}"))
-        if param.thin_below is not None and fitting < param.thin_below:
+        least = min(param.floor or 0, value)
+        if fitting < least:
+            scaled[name] = least
+            text = f"{name} {value:g} x {factor:.3g} = {fitting:.3g} px is too short at this size: {least:g} px used"
+            warnings.append(Note(text, warning=True, once=name))
+        elif param.thin_below is not None and fitting < param.thin_below:
             thin = f"{name} is {fitting:.3g} px at this size: below {param.thin_below:g}, "
             text = thin + "lines change with the picture's size"
             warnings.append(Note(text, warning=True, once=name))
