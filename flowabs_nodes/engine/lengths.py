@@ -1,38 +1,41 @@
 """Scales lengths with the picture's size.
 
-A graph that says ``"reference_height": 1080`` means its pixel lengths for a display window of that height: on another
-plate they are multiplied by ``display height / reference height``, quantities per pixel divided by it. ``--scale 0.5``
-makes the pictures that come in smaller (:mod:`flowabs_nodes.engine.resize`); lengths follow, because the display window
-does.
+A graph that says ``"reference_size": {"shorter": 1080}`` means its pixel lengths for a display window whose shorter
+side has 1080 pixels: on another plate they are multiplied by ``shorter side / 1080``, quantities per pixel divided by
+it. ``--scale 0.5`` makes the pictures that come in smaller (:mod:`flowabs_nodes.engine.resize`); lengths follow,
+because the display window does.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from flowabs_nodes.engine.report import Note
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Node, Param
 
+if TYPE_CHECKING:
+    from flowabs_nodes.graph.reference_size import ReferenceSize
 
-def length_factor(reference_height: float | None, scale: float, image: Image | None) -> float:
+
+def length_factor(reference_size: ReferenceSize | None, scale: float, image: Image | None) -> float:
     """Return the factor by which a node's lengths grow.
 
     Parameters
     ----------
-    reference_height
-        The height in pixels of the display window that the graph's lengths are meant for; None: lengths follow
+    reference_size
+        The size of the display window that the graph's lengths are meant for; None: lengths follow
         ``scale`` alone.
     scale
         The ``--scale`` of the run.
     image
         The picture that the node looks at, already resized by ``scale``; None for a node without inputs.
     """
-    if reference_height is None or image is None:
+    if reference_size is None or image is None:
         return scale
-    return image.display_window.height / reference_height
+    return reference_size.factor(image.display_window.width, image.display_window.height)
 
 
 def has_lengths(declaration: Node) -> bool:

@@ -37,7 +37,7 @@ class Param:
 
     Use the constructors :meth:`float`, :meth:`int`, :meth:`bool`, :meth:`enum`, :meth:`string`, :meth:`color`,
     :meth:`file` and :meth:`custom`. ``required`` parameters have no default. ``scales`` is +1 for pixel lengths, which
-    grow with the plate where a graph has a ``reference_height``, -1 for quantities per pixel, which shrink, 0 else.
+    grow with the plate where a graph has a ``reference_size``, -1 for quantities per pixel, which shrink, 0 else.
 
     ``label`` is the name that people see, by default made of ``name``; ``group`` the section of a panel that the
     parameter is in. ``enabled_when`` maps other parameters of the node, each an enum or a bool, to the values beside

@@ -6,6 +6,8 @@ import pytest
 from flowabs_nodes import load_graph
 from flowabs_nodes.engine.lengths import length_factor, scale_lengths
 from flowabs_nodes.engine.resize import scale_image
+from flowabs_nodes.graph.reference_size import ReferenceSize
+from flowabs_nodes.graph.shipped import shipped
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes import catalogue
 from flowabs_nodes.nodes.declare import Node, Param, Port
@@ -114,6 +116,14 @@ def test_the_nodes_that_draw_lines_say_below_which_width_lines_change():
 
 def test_the_factor_comes_from_the_display_window():
     image = picture()  # 24 high, of which 6 are data
-    assert length_factor(48, 1.0, image) == 0.5
+    size = ReferenceSize("height", 48)
+    assert length_factor(size, 1.0, image) == 0.5
     assert length_factor(None, 0.25, image) == 0.25
-    assert length_factor(48, 0.5, scale_image(image, 0.5)) == 0.25
+    assert length_factor(size, 0.5, scale_image(image, 0.5)) == 0.25
+
+
+@pytest.mark.parametrize("name", sorted(shipped()))
+def test_a_plate_on_its_side_has_the_lengths_of_the_upright_one(name):
+    size = load_graph(name).reference_size
+    wide, tall = (Image.from_array(np.zeros((*shape, 3), np.float32)) for shape in ((54, 96), (96, 54)))
+    assert length_factor(size, 1.0, wide) == length_factor(size, 1.0, tall) == 0.1
