@@ -20,8 +20,9 @@ from flowabs_nodes.port_types import pixel_type
 def call_node(declaration: Node, context: Context, inputs: NodeInputs, params: Mapping[str, Any]) -> dict[str, Image]:
     """Compute the outputs of one node that ``context.wanted`` names; all, where it names none.
 
-    Inputs are widened to what their port asks for and brought to the data window of the first image input: a mask and
-    ``write``'s layers are cut, and 0 where they have no pixels; any other input must be on that window already. So are
+    Inputs are widened to what their port asks for and brought to the data window of the first image input: a mask, of a
+    picture of the same size, and ``write``'s layers are cut, and 0 where they have no pixels; any other input must be
+    on that window already. So are
     the other frames of an input that the node reads on several, which is given as a dict from frame offset to Image.
     Parameters that are not given take their default; all are checked. The result goes over the input by mask x mix.
 
@@ -100,8 +101,26 @@ def fit_inputs(declaration: Node, inputs: Mapping[str, Image]) -> dict[str, Imag
                 f"but input {first!r} has {_describe(window)}",
                 code="window-mismatch",
             )
+        if name == MASK.name:
+            _check_mask_size(image, images[first], first)
         images[name] = image.on_window(window)
     return images
+
+
+def _check_mask_size(mask: Image, image: Image, first: str) -> None:
+    """Raise FlowabsError for a mask of a picture of another size, such as a proxy: it would cover one corner only.
+
+    A mask that has pixels in a part of the picture only, its bounding box, has the picture's display window.
+    """
+    found, expected = mask.display_window, image.display_window
+    if (found.width, found.height) == (expected.width, expected.height):
+        return
+    size = f"{expected.width}x{expected.height}"
+    raise FlowabsError(
+        f"input {MASK.name!r} is of a picture of {found.width}x{found.height}, but input {first!r} of {size}",
+        code="window-mismatch",
+        hint=f"resize the mask to {size}; one of a part of the picture needs the display window of the whole",
+    )
 
 
 def _widen(declaration: Node, name: str, image: Image) -> Image:

@@ -22,6 +22,7 @@ from flowabs_nodes.nodes.declare import Node
 
 if TYPE_CHECKING:
     from flowabs_nodes.graph.model import Graph
+    from flowabs_nodes.graph.reference_size import ReferenceSize
 
 _BYTES = 20
 
@@ -42,7 +43,7 @@ def unit_keys(
     ----------
     params
         Each unit's parameters, checked, before lengths are scaled: the scaled ones follow from the pictures that come
-        in, ``reference_height`` and ``scale``.
+        in, ``reference_size`` and ``scale``.
     contents
         For each unit that reads a file, what stands in it (:func:`flowabs_nodes.engine.sources.source_contents`).
     given
@@ -67,7 +68,7 @@ def unit_keys(
                 for name, needed in step.inputs.items()
             },
             content=contents.get(step.unit, ""),
-            reference_height=graph.reference_height,
+            reference_size=graph.reference_size,
             scale=scale,
             ocio=ocio,
         )
@@ -80,7 +81,7 @@ def node_key(
     inputs: Mapping[str, Any],
     *,
     content: str = "",
-    reference_height: float | None = None,
+    reference_size: ReferenceSize | None = None,
     scale: float = 1.0,
     ocio: str = "",
 ) -> str:
@@ -90,6 +91,7 @@ def node_key(
     data that name each input's key and output; the others are as for :func:`unit_keys`.
     """
     touches_files = declaration.file_param is not None
+    size = None if reference_size is None else [reference_size.measure, reference_size.pixels]
     return _digest(
         {
             "type": declaration.name,
@@ -101,7 +103,7 @@ def node_key(
             },
             "inputs": dict(inputs),
             "content": content,
-            "lengths": [_exact(reference_height), _exact(scale)] if has_lengths(declaration) else None,
+            "lengths": [_exact(size), _exact(scale)] if has_lengths(declaration) else None,
             "scale": _exact(scale) if touches_files else None,
             "ocio": ocio if touches_files else "",
         }

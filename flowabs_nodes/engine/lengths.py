@@ -1,38 +1,41 @@
 """Scales lengths with the picture's size.
 
-A graph that says ``"reference_height": 1080`` means its pixel lengths for a display window of that height: on another
-plate they are multiplied by ``display height / reference height``, quantities per pixel divided by it. ``--scale 0.5``
-makes the pictures that come in smaller (:mod:`flowabs_nodes.engine.resize`); lengths follow, because the display window
-does.
+A graph that says ``"reference_size": {"shorter": 1080}`` means its pixel lengths for a display window whose shorter
+side has 1080 pixels: on another plate they are multiplied by ``shorter side / 1080``, quantities per pixel divided by
+it. ``--scale 0.5`` makes the pictures that come in smaller (:mod:`flowabs_nodes.engine.resize`); lengths follow,
+because the display window does.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from flowabs_nodes.engine.report import Note
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Node, Param
 
+if TYPE_CHECKING:
+    from flowabs_nodes.graph.reference_size import ReferenceSize
 
-def length_factor(reference_height: float | None, scale: float, image: Image | None) -> float:
+
+def length_factor(reference_size: ReferenceSize | None, scale: float, image: Image | None) -> float:
     """Return the factor by which a node's lengths grow.
 
     Parameters
     ----------
-    reference_height
-        The height in pixels of the display window that the graph's lengths are meant for; None: lengths follow
+    reference_size
+        The size of the display window that the graph's lengths are meant for; None: lengths follow
         ``scale`` alone.
     scale
         The ``--scale`` of the run.
     image
         The picture that the node looks at, already resized by ``scale``; None for a node without inputs.
     """
-    if reference_height is None or image is None:
+    if reference_size is None or image is None:
         return scale
-    return image.display_window.height / reference_height
+    return reference_size.factor(image.display_window.width, image.display_window.height)
 
 
 def has_lengths(declaration: Node) -> bool:
@@ -45,8 +48,10 @@ def scale_lengths(
 ) -> tuple[dict[str, Any], tuple[Note, ...]]:
     """Multiply lengths by ``factor``, divide quantities per pixel by it, and say what to warn of.
 
-    A scaled value outside the parameter's hard range becomes the range's end, with a warning. A length scaled below the
-    parameter's ``thin_below`` is kept, also with a warning.
+    A scaled value outside the parameter's hard range becomes the range's end, with a warning. Scaling shortens no
+    length below the parameter's ``floor``, and warns where it would: a line filter of a fraction of a pixel sees no
+    edge. A length that the graph itself gives below the floor is not made longer. A length scaled below the parameter's
+    ``thin_below`` is kept, also with a warning.
 
     Returns
     -------
@@ -66,7 +71,12 @@ def scale_lengths(
                 f"{name} {value:g} x {factor**param.scales:g} = {wanted:g} is not {param.range_text}: {fitting:g} used"
             )
             warnings.append(Note(text, warning=True, once=f"range {name}"))
-        if param.thin_below is not None and fitting < param.thin_below:
+        least = min(param.floor or 0, value)
+        if fitting < least:
+            scaled[name] = least
+            text = f"{name} {value:g} x {factor:.3g} = {fitting:.3g} px is too short at this size: {least:g} px used"
+            warnings.append(Note(text, warning=True, once=name))
+        elif param.thin_below is not None and fitting < param.thin_below:
             thin = f"{name} is {fitting:.3g} px at this size: below {param.thin_below:g}, "
             text = thin + "lines change with the picture's size"
             warnings.append(Note(text, warning=True, once=name))

@@ -27,7 +27,7 @@ from flowabs_nodes.engine.report import (
 from flowabs_nodes.engine.result_store import ResultStore
 from flowabs_nodes.engine.runnable import GraphSource, load_graph
 from flowabs_nodes.engine.signals import Stopped
-from flowabs_nodes.engine.sources import passed_over
+from flowabs_nodes.engine.sources import passed_over, same_picture
 from flowabs_nodes.errors import WriteError
 from flowabs_nodes.io.frame_lock import sweep
 from flowabs_nodes.io.settings import Settings
@@ -99,7 +99,7 @@ def render_sequence(
         *(Note(text) for text in loaded.notes),
         *(Note(str(each), warning=True) for each in loaded.warnings),
     )
-    about += passed_over(job.graph)
+    about += passed_over(job.graph) + same_picture(job.graph, len(numbers))
     for note in about:
         tell(note_event(note))
     reports: list[FrameReport] = []

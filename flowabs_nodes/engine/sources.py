@@ -114,16 +114,34 @@ def file_of(graph: Graph, node: str, values: Mapping[str, Any]) -> str:
 def passed_over(graph: Graph) -> tuple[Note, ...]:
     """Return a warning for each node that reads a sequence, where its folder has files with numbers of other widths."""
     notes = []
-    values = graph.values(1)
-    for node in graph.nodes:
-        param = graph.nodes[node].declaration.file_param
-        if param is not None and param.role == "input" and values[node].get(param.name):
-            sequence = Sequence.to_read(str(values[node][param.name]))
-            if names := sequence.passed_over():
-                shown = ", ".join(names[:3]) + (" ..." if len(names) > 3 else "")
-                text = f"{len(names)} files are not frames of {os.path.basename(sequence.pattern)}: {shown}"
-                notes.append(Note(f"{text}; widths are strict", node=node, warning=True))
+    for node, sequence in _read_sequences(graph).items():
+        if names := sequence.passed_over():
+            shown = ", ".join(names[:3]) + (" ..." if len(names) > 3 else "")
+            text = f"{len(names)} files are not frames of {os.path.basename(sequence.pattern)}: {shown}"
+            notes.append(Note(f"{text}; widths are strict", node=node, warning=True))
     return tuple(notes)
+
+
+def same_picture(graph: Graph, frames: int) -> tuple[Note, ...]:
+    """Return a note where several frames are made and no node reads a sequence: all come from the same pictures."""
+    sequences = _read_sequences(graph).values()
+    if frames < 2 or not sequences or any(sequence.has_token for sequence in sequences):
+        return ()
+    names = list(dict.fromkeys(os.path.basename(sequence.pattern) for sequence in sequences))
+    shown = ", ".join(names[:3]) + (" ..." if len(names) > 3 else "")
+    what = "one picture" if len(names) == 1 else f"{len(names)} pictures"
+    return (Note(f"all {frames} frames come from {what}, {shown}: a sequence has a token, such as ####"),)
+
+
+def _read_sequences(graph: Graph) -> dict[str, Sequence]:
+    """Return the sequence or single picture of each node that reads one and has it set, by the node's name."""
+    values = graph.values(1)
+    params = {name: node.declaration.file_param for name, node in graph.nodes.items()}
+    return {
+        node: Sequence.to_read(str(values[node][param.name]))
+        for node, param in params.items()
+        if param is not None and param.role == "input" and values[node].get(param.name)
+    }
 
 
 def source_contents(sources: Mapping[Unit, Source]) -> dict[Unit, str]:

@@ -32,6 +32,7 @@ GRAPH: Mapping[str, Kind] = {
     "format": TEXT,
     "name": TEXT,
     "description": TEXT,
+    "reference_size": OBJECT,
     "reference_height": NUMBER,
     "interface": OBJECT,
     "nodes": OBJECT,

@@ -8,6 +8,7 @@ from typing import Any
 
 from flowabs_nodes.graph.format import KnobType
 from flowabs_nodes.graph.problems import Problem
+from flowabs_nodes.graph.reference_size import ReferenceSize
 from flowabs_nodes.graph.values import Value
 from flowabs_nodes.nodes.declare import Node, Param
 
@@ -71,8 +72,9 @@ class Graph:
 
     Attributes
     ----------
-    reference_height
-        Display height in pixels that the graph's pixel lengths are meant for; None where they are meant as written.
+    reference_size
+        The size of the display window that the graph's pixel lengths are meant for; None where they are meant as
+        written.
     nodes
         The nodes by name, each after the nodes whose results it needs.
     document
@@ -87,7 +89,7 @@ class Graph:
 
     name: str
     description: str
-    reference_height: float | None
+    reference_size: ReferenceSize | None
     interface: Mapping[str, Knob]
     nodes: Mapping[str, GraphNode]
     ui: Mapping[str, Any]

@@ -13,6 +13,7 @@ from typing import Any
 from flowabs_nodes.graph import document_keys
 from flowabs_nodes.graph.format import FORMAT, FRAME, KNOB_TYPES, MOST_NODES, NAME
 from flowabs_nodes.graph.links import taken_names
+from flowabs_nodes.graph.reference_size import MEASURES
 from flowabs_nodes.nodes import catalogue as installed
 from flowabs_nodes.nodes.declare import Node, Param, Port
 
@@ -26,7 +27,14 @@ def schema(catalogue: Mapping[str, Node] | None = None) -> Schema:
     properties["format"] = {"const": FORMAT}
     properties["reference_height"] |= {
         "exclusiveMinimum": 0,
-        "description": "Display height that pixel lengths are meant for; they grow with the plate.",
+        "description": "The older spelling of reference_size's height.",
+    }
+    properties["reference_size"] |= {
+        "properties": {measure: {"type": "number", "exclusiveMinimum": 0} for measure in MEASURES},
+        "additionalProperties": False,
+        "minProperties": 1,
+        "maxProperties": 1,
+        "description": "Size of the display window that pixel lengths are meant for; they grow with the plate.",
     }
     properties["interface"] |= {
         "propertyNames": {"$ref": "#/$defs/name"},
@@ -45,6 +53,7 @@ def schema(catalogue: Mapping[str, Node] | None = None) -> Schema:
         "type": "object",
         "properties": properties,
         "required": ["format", "nodes"],
+        "not": {"required": ["reference_size", "reference_height"]},
         "additionalProperties": False,
         "$defs": {
             "name": {"type": "string", "pattern": f"^{NAME.pattern}$"},

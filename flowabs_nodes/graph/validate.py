@@ -16,6 +16,7 @@ from flowabs_nodes.graph.links import add_unused, check_links, read_links
 from flowabs_nodes.graph.model import Graph, GraphNode, Knob, Link
 from flowabs_nodes.graph.parameters import read_value
 from flowabs_nodes.graph.problems import Place, Problems, show
+from flowabs_nodes.graph.reference_size import read_reference_size
 from flowabs_nodes.graph.unused_params import add_unused_params
 from flowabs_nodes.graph.upgrade import upgrade_format, upgrade_node
 from flowabs_nodes.graph.values import Value
@@ -32,9 +33,7 @@ def validate(document: Any, catalogue: Mapping[str, Node], problems: Problems, s
     if upgraded is None:
         return None
     top = document_keys.read_fields(upgraded, (), document_keys.GRAPH, problems, required=("nodes",))
-    height = top.get("reference_height")
-    if height is not None and height <= 0:
-        problems.add("out-of-range", ("reference_height",), show(height), "a height in pixels above 0")
+    reference_size = read_reference_size(top, problems)
     knobs = read_knobs(top.get("interface", {}), problems)
     raw_nodes = top.get("nodes", {})
     if len(raw_nodes) > MOST_NODES:
@@ -48,7 +47,7 @@ def validate(document: Any, catalogue: Mapping[str, Node], problems: Problems, s
     return Graph(
         name=top.get("name", ""),
         description=top.get("description", ""),
-        reference_height=height,
+        reference_size=reference_size,
         interface=interface,
         nodes=nodes,
         ui=top.get("ui", {}),

@@ -27,6 +27,7 @@ DIFFERENCE = (
         soft=(0.3, 4),
         unit="px",
         thin_below=1.0,
+        floor=0.4,
         label="Line width",
         group="Response",
         help="Centre Gaussian: sets the width of the line.",

@@ -37,7 +37,7 @@ class Param:
 
     Use the constructors :meth:`float`, :meth:`int`, :meth:`bool`, :meth:`enum`, :meth:`string`, :meth:`color`,
     :meth:`file` and :meth:`custom`. ``required`` parameters have no default. ``scales`` is +1 for pixel lengths, which
-    grow with the plate where a graph has a ``reference_height``, -1 for quantities per pixel, which shrink, 0 else.
+    grow with the plate where a graph has a ``reference_size``, -1 for quantities per pixel, which shrink, 0 else.
 
     ``label`` is the name that people see, by default made of ``name``; ``group`` the section of a panel that the
     parameter is in. ``enabled_when`` maps other parameters of the node, each an enum or a bool, to the values beside
@@ -64,6 +64,7 @@ class Param:
     schema: Mapping[str, Any] = field(default_factory=dict, hash=False)  # custom: its JSON Schema
     parse: Callable[[Any], str | None] | None = None  # custom: what is wrong with a value, or None
     thin_below: Number | None = None  # scaled to less pixels than this, what is drawn depends on the picture's size
+    floor: Number | None = None  # scaling makes a length no shorter than this, below which a filter sees single pixels
     label: str = ""
     group: str = ""
     enabled_when: Mapping[str, tuple[Any, ...]] = field(default_factory=dict, hash=False)
@@ -85,6 +86,7 @@ class Param:
         unit: str = "",
         nullable: Flag = False,
         thin_below: Number | None = None,
+        floor: Number | None = None,
         help: str,
         **panel: Unpack[Panel],
     ) -> Param:
@@ -102,6 +104,7 @@ class Param:
             nullable=nullable,
             scales=1 if unit == "px" else -1 if unit.endswith("/px") else 0,
             thin_below=thin_below,
+            floor=floor,
             **panel,
         )
 

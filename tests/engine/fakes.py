@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from flowabs_nodes.graph.reference_size import ReferenceSize
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
 
@@ -57,11 +58,11 @@ def node(name: str, declaration: Node, inputs: Mapping[str, str] | None = None, 
     return SimpleNamespace(name=name, declaration=declaration, inputs=links, params=params)
 
 
-def graph(*nodes: SimpleNamespace, reference_height: float | None = None) -> Any:
+def graph(*nodes: SimpleNamespace, reference_size: ReferenceSize | None = None) -> Any:
     """Return a graph as the engine sees it."""
     return SimpleNamespace(
         name="fake",
-        reference_height=reference_height,
+        reference_size=reference_size,
         nodes={each.name: each for each in nodes},
         values=lambda frame: {each.name: each.declaration.defaults() | each.params for each in nodes},
     )

@@ -105,6 +105,33 @@ def test_a_mask_on_another_window_is_zero_outside_it():
     np.testing.assert_array_equal(result.pixels[:, 2:], image.pixels[:, 2:] + np.float32(1))
 
 
+@pytest.mark.parametrize(("width", "height"), [(16, 12), (64, 48), (24, 32), (32, 12), (31, 24)])
+def test_a_mask_of_another_size_is_refused_with_both_sizes_and_the_cure(width, height):
+    mask = Image.from_array(np.ones((height, width)), type="matte")
+    with pytest.raises(
+        FlowabsError, match=f"'mask' is of a picture of {width}x{height}, but input 'image' of 32x24"
+    ) as failure:
+        call_node(ADD, Context(frame=7, node="add"), {"image": picture(), "mask": mask}, {})
+    assert (failure.value.code, failure.value.node, failure.value.frame) == ("window-mismatch", "add", 7)
+    assert "resize the mask to 32x24" in failure.value.hint
+
+
+def test_a_mask_of_all_of_a_cropped_picture_is_cut():
+    image = picture()
+    mask = Image.from_array(np.ones((24, 32)), type="matte")
+    result = call_node(ADD, Context(), {"image": image, "mask": mask}, {})["image"]
+    assert result.data_window == image.data_window
+
+
+def test_a_mask_with_the_pixels_of_the_picture_may_have_another_display_window():
+    image = picture()
+    spec = matte(1, image).spec
+    spec.full_width, spec.full_height = 8, 6
+    mask = Image(matte(1, image).pixels, spec, "matte")
+    result = call_node(ADD, Context(), {"image": image, "mask": mask}, {})["image"]
+    np.testing.assert_array_equal(result.pixels, image.pixels + np.float32(1))
+
+
 def test_further_color_outputs_are_multiplied_by_mask_and_mix():
     def run(context, image, *, amount):
         ink = np.ones((*image.pixels.shape[:2], 4), np.float32)

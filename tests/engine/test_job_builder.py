@@ -152,6 +152,40 @@ def test_files_passed_over_are_told_in_one_line(shot, out, tmp_path):
     assert len(report.frames) == 3
 
 
+@pytest.mark.parametrize(
+    ("source", "frames", "told"),
+    [
+        ("one.exr", "1-3", ["all 3 frames come from one picture, one.exr: a sequence has a token, such as ####"]),
+        ("take#2.exr", "5,9", ["all 2 frames come from one picture, take#2.exr: a sequence has a token, such as ####"]),
+        ("one.exr", "2-2", []),
+        ("one.exr", None, []),
+        ("plate.####.exr", "1-3", []),
+    ],
+)
+def test_frames_that_all_come_from_one_picture_are_told(shot, out, tmp_path, source, frames, told):
+    for name in ("one.exr", "take#2.exr"):
+        plate(tmp_path / "in" / name)
+    events = []
+    report = engine.run(
+        document(), input=str(tmp_path / "in" / source), output=out, frames=frames, on_event=events.append
+    )
+    assert report.exit_code == 0
+    assert [event["text"] for event in events if "come from" in str(event)] == told
+
+
+def test_several_single_pictures_are_told_together_and_not_beside_a_sequence(shot, out, tmp_path):
+    two = document()
+    two["nodes"]["still"] = {"type": "read@1", "params": {"file": plate(tmp_path / "in" / "still.exr").as_posix()}}
+    two["nodes"]["out"]["inputs"]["beside"] = "still"
+    one = plate(tmp_path / "in" / "one.exr")
+    for source, told in ((one, ["all 2 frames come from 2 pictures, "]), (shot, [])):
+        events = []
+        engine.run(
+            two, set={"plate.file": str(source)}, output=out, frames="1-2", existing="overwrite", on_event=events.append
+        )
+        assert [event["text"][:35] for event in events if "come from" in str(event)] == told
+
+
 def test_a_name_that_looks_like_a_sequence(tmp_path):
     path = plate(tmp_path / "take#2.exr")
     report = engine.run(document(), input=str(path), output=str(tmp_path / "o@2x.exr"))

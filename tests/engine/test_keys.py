@@ -9,6 +9,7 @@ from flowabs_nodes.engine import keys as keys_module
 from flowabs_nodes.engine import load_graph
 from flowabs_nodes.engine.keys import image_key, node_key, unit_keys
 from flowabs_nodes.engine.plan import Result, Step, Unit, file_role, make_plan, sinks
+from flowabs_nodes.graph.reference_size import ReferenceSize
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Node, Param, Port
 from tests.engine.fakes import ADD, SPLIT, graph, node, picture
@@ -39,10 +40,11 @@ def test_every_parameter_and_input_changes_the_key():
         node_key(SPLIT, defaults, {"image": "y"}),
         node_key(dataclasses.replace(SPLIT, version=2), defaults, {"image": "x"}),
         node_key(dataclasses.replace(SPLIT, type="splits"), defaults, {"image": "x"}),
-        node_key(SPLIT, defaults, {"image": "x"}, reference_height=1080),
+        node_key(SPLIT, defaults, {"image": "x"}, reference_size=ReferenceSize("height", 1080)),
+        node_key(SPLIT, defaults, {"image": "x"}, reference_size=ReferenceSize("shorter", 1080)),
         node_key(SPLIT, defaults, {"image": "x"}, scale=0.5),
     }
-    assert len(keys) == 9
+    assert len(keys) == 10
 
 
 def test_the_same_value_has_one_key_however_it_is_written():
@@ -70,7 +72,8 @@ def test_a_file_counts_by_its_content_and_not_its_name():
 
 
 def test_lengths_matter_only_to_nodes_that_have_some():
-    assert node_key(ADD, ADD.defaults(), {}) == node_key(ADD, ADD.defaults(), {}, reference_height=1080, scale=0.5)
+    size = ReferenceSize("height", 1080)
+    assert node_key(ADD, ADD.defaults(), {}) == node_key(ADD, ADD.defaults(), {}, reference_size=size, scale=0.5)
 
 
 MODED = dataclasses.replace(
@@ -146,8 +149,8 @@ def test_a_key_holds_those_of_all_frames_that_are_read():
 @pytest.mark.parametrize(
     ("name", "keys"),
     [
-        ("lines", {"flow": "1f46d0276569", "out": "0f544fd895bb"}),
-        ("abstraction_hdr", {"flow": "c3fcf845dc24", "out": "86fc4734482c"}),
+        ("lines", {"flow": "a2d7638c457f", "out": "c0d5a6889112"}),
+        ("abstraction_hdr", {"flow": "412476b73264", "out": "a59a5af38baa"}),
     ],
 )
 def test_keys_of_released_graphs_stay(name, keys, monkeypatch):

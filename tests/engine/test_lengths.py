@@ -1,5 +1,14 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flowabs_nodes import load_graph
 from flowabs_nodes.engine.lengths import length_factor, scale_lengths
 from flowabs_nodes.engine.resize import scale_image
+from flowabs_nodes.graph.reference_size import ReferenceSize
+from flowabs_nodes.graph.shipped import shipped
+from flowabs_nodes.image import Image
 from flowabs_nodes.nodes import catalogue
 from flowabs_nodes.nodes.declare import Node, Param, Port
 from tests.engine.fakes import ADD, IMAGE, SPLIT, picture
@@ -50,6 +59,49 @@ def test_thin_lines_are_warned_of_once():
     assert scale_lengths(SPLIT, {"length": 1.5}, 0.5)[1] == (), "a length that draws no lines may be short"
 
 
+FLOORED = replace(LINES, params=(Param.float("width", 1.0, min=0.05, unit="px", thin_below=1, floor=0.4, help="."),))
+
+
+@pytest.mark.parametrize(
+    ("width", "factor", "used"),
+    [
+        (1.0, 96 / 540, 0.4),  # a thumbnail
+        (1.0, 0.2, 0.4),
+        (2.5, 0.01, 0.4),
+        (1.0, 0.4, 0.4),
+        (0.3, 0.5, 0.3),  # the graph's own value is below the floor: not shortened, nor made longer
+        (0.1, 2.0, 0.2),
+        (0.1, 1.0, 0.1),
+        (1.0, 0.5, 0.5),
+    ],
+)
+def test_scaling_shortens_no_length_below_its_floor(width, factor, used):
+    assert scale_lengths(FLOORED, {"width": width}, factor)[0]["width"] == pytest.approx(used)
+
+
+def test_a_length_held_at_its_floor_is_said_in_one_line():
+    (warning,) = scale_lengths(FLOORED, {"width": 1.0}, 0.15)[1]
+    assert (warning.warning, warning.text) == (
+        True,
+        "width 1 x 0.15 = 0.15 px is too short at this size: 0.4 px used",
+    )
+    assert warning.once
+    assert scale_lengths(FLOORED, {"width": 0.1}, 1.0)[1] == (), "the graph's own value, not scaled"
+
+
+@pytest.mark.parametrize(("size", "scale"), [((96, 128), 1), ((128, 96), 1), ((64, 64), 1), ((108, 144), 0.5)])
+def test_a_small_picture_is_not_a_blank_sheet(size, scale):
+    height, width = size
+    y, x = np.mgrid[0:height, 0:width]
+    disc = np.clip(0.3 * min(size) - np.hypot(x - width / 2, y - height / 2), 0, 1)[..., None]
+    plate = Image.from_array(np.broadcast_to(0.1 + 0.5 * disc, (*size, 3)).astype(np.float32))
+    lines = load_graph("lines").run(given={"plate": plate}, outputs=["lines"], scale=scale)["lines"].pixels
+    assert 0.4 * np.pi * min(lines.shape[:2]) < (lines < 0.5).sum() < 3 * np.pi * min(lines.shape[:2]), (
+        "a circle's worth"
+    )
+    assert lines[0].min() == 1
+
+
 def test_the_nodes_that_draw_lines_say_below_which_width_lines_change():
     thin = {
         (node.type, name): param.thin_below
@@ -58,10 +110,20 @@ def test_the_nodes_that_draw_lines_say_below_which_width_lines_change():
         if param.thin_below is not None
     }
     assert thin == {(type, "sigma_c"): 1.0 for type in ("dog", "fdog", "fdog_iterative")}
+    for type, name in thin:
+        assert catalogue()[type].all_params[name].floor == 0.4
 
 
 def test_the_factor_comes_from_the_display_window():
     image = picture()  # 24 high, of which 6 are data
-    assert length_factor(48, 1.0, image) == 0.5
+    size = ReferenceSize("height", 48)
+    assert length_factor(size, 1.0, image) == 0.5
     assert length_factor(None, 0.25, image) == 0.25
-    assert length_factor(48, 0.5, scale_image(image, 0.5)) == 0.25
+    assert length_factor(size, 0.5, scale_image(image, 0.5)) == 0.25
+
+
+@pytest.mark.parametrize("name", sorted(shipped()))
+def test_a_plate_on_its_side_has_the_lengths_of_the_upright_one(name):
+    size = load_graph(name).reference_size
+    wide, tall = (Image.from_array(np.zeros((*shape, 3), np.float32)) for shape in ((54, 96), (96, 54)))
+    assert length_factor(size, 1.0, wide) == length_factor(size, 1.0, tall) == 0.1

@@ -101,7 +101,7 @@ def test_lines_of_a_smaller_picture_are_those_of_the_full_one():
     photograph = Path(__file__).parents[1] / "data" / "chelsea_eye.png"
     options = {"set": {"plate.file": str(photograph), "line_width": 2.5}, "outputs": ["lines"]}
     document = load_graph("lines").document
-    graph = load_graph({name: value for name, value in document.items() if name != "reference_height"})
+    graph = load_graph({name: value for name, value in document.items() if name != "reference_size"})
     full, half = (graph.run(scale=scale, **options)["lines"] for scale in (1, 0.5))
     ink = 1 - full.pixels.mean()
     assert 1 - half.pixels.mean() == pytest.approx(ink, rel=0.05)

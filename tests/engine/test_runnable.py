@@ -11,6 +11,7 @@ from flowabs_nodes.engine import load_graph
 from flowabs_nodes.engine.runnable import RunnableGraph
 from flowabs_nodes.errors import ArgumentError, CommandError, FlowabsError, ReadError
 from flowabs_nodes.graph import GraphError
+from flowabs_nodes.graph.reference_size import ReferenceSize
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes import catalogue
 from flowabs_nodes.nodes.declare import Node, Param, Port
@@ -70,7 +71,7 @@ def test_scale_makes_given_pictures_smaller_and_lengths_follow():
         return image
 
     probe = graph_around(run, Param.float("length", 8.0, min=0.1, unit="px", help="A length."))
-    graph = load_graph(dataclasses.replace(probe, reference_height=96))
+    graph = load_graph(dataclasses.replace(probe, reference_size=ReferenceSize("height", 96)))
     plain = Image.from_array(np.ones((48, 64, 3)))
     graph.run(given={"plate": plain})
     assert seen == {"length": 4.0, "size": (48, 64)}

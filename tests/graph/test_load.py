@@ -4,6 +4,7 @@ import pytest
 
 from flowabs_nodes import graph
 from flowabs_nodes.errors import CommandError
+from flowabs_nodes.graph.reference_size import ReferenceSize
 from tests.graph.fakes import CATALOGUE, document
 
 
@@ -16,7 +17,7 @@ def test_all_kinds_of_sources_give_the_same_graph(tmp_path):
     assert all(each.document == document() for each in loaded)
     assert [each.source for each in loaded] == ["", "", str(path), str(path)]
     assert loaded[0].name == "toon"
-    assert loaded[0].reference_height == 1080
+    assert loaded[0].reference_size == ReferenceSize("height", 1080)
     assert loaded[0].ui == document()["ui"]
 
 

@@ -43,6 +43,9 @@ BAD = [
     (("nane",), "x"),
     (("reference_height",), 0),
     (("reference_height",), "1080"),
+    (("reference_size",), 1080),
+    (("reference_size",), {}),
+    (("reference_size",), {"shorter": 1080}),  # beside reference_height
     (("nodes",), []),
     (("nodes", "a b"), {"type": "read@1"}),
     (("nodes", "field", "type"), "flwo@1"),

@@ -80,7 +80,7 @@ def test_each_is_valid_and_described(name):
     loaded = graph.load(name)
     assert loaded.name == name
     assert loaded.description.endswith(".")
-    assert loaded.reference_height is None  # lengths are as printed
+    assert loaded.reference_size is None  # lengths are as printed
 
 
 @pytest.mark.parametrize(("name", "node"), [(name, node) for name in PRINTED for node in PRINTED[name]])
