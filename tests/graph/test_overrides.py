@@ -1,6 +1,8 @@
+import numpy as np
 import pytest
 
 from flowabs_nodes import graph
+from flowabs_nodes.errors import ArgumentError
 from tests.graph.fakes import CATALOGUE, document
 
 
@@ -127,3 +129,20 @@ def test_from_the_command_line(text, value):
     result = graph.parse_setting(text)
     assert result == value
     assert type(result) is type(value)
+
+
+def test_numbers_of_numpy_are_numbers(toon):
+    curve = {"curve": {np.int64(1): np.float32(1), np.int32(3): 3}}
+    values = {"width": np.float32(2), "passes": np.int64(3), "all": np.bool_(False), "tint": np.ones(3)}
+    changed = graph.override(toon, {**values, "drawing.sigma": curve}).values(2)
+    assert changed["field"]["iterations"] == 3
+    assert changed["field"]["color"] is False
+    assert changed["toon"]["ink"] == (1, 1, 1)
+    assert changed["drawing"]["sigma"] == 2
+    assert problems(toon, passes=np.float64(2.5)) == [("wrong-type", "--set passes")]
+
+
+@pytest.mark.parametrize("values", [["width=2"], "width=2", 3, {2: 1}])
+def test_what_are_no_values(toon, values):
+    with pytest.raises(ArgumentError, match="expected a dict such as"):
+        graph.override(toon, values)
