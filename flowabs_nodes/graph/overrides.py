@@ -87,7 +87,10 @@ def _find(graph: Graph, name: str, here: str, wrong: list[Problem]) -> Place | N
     if not dot:
         if name in graph.interface:
             return ("interface", name, "default")
-        hint = problems.near(name, [*graph.interface, *graph.nodes])
+        if name in graph.nodes:
+            hint = f"{name} is a node: set {name}.PARAMETER"
+        else:
+            hint = problems.near(name, [*graph.interface, *graph.nodes])
         wrong.append(Problem("unknown-param", here, show(name), "a knob, or node.parameter", hint))
     elif node not in graph.nodes:
         hint = problems.near(node, graph.nodes)

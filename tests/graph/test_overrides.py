@@ -146,3 +146,20 @@ def test_numbers_of_numpy_are_numbers(toon):
 def test_what_are_no_values(toon, values):
     with pytest.raises(ArgumentError, match="expected a dict such as"):
         graph.override(toon, values)
+
+
+@pytest.mark.parametrize(
+    ("name", "hint"),
+    [
+        ("field", "field is a node: set field.PARAMETER"),
+        ("plate", "plate is a node: set plate.PARAMETER"),
+        ("Width", "did you mean 'width'?"),
+        ("FIELD", "did you mean 'field'?"),
+        ("Field.radius", "did you mean 'field'?"),
+        ("field.RADIUS", "did you mean 'field.radius'?"),
+    ],
+)
+def test_the_hint_names_what_was_meant(toon, name, hint):
+    with pytest.raises(graph.GraphError) as caught:
+        graph.override(toon, {name: 3})
+    assert [problem.hint for problem in caught.value.problems] == [hint]

@@ -1,0 +1,22 @@
+import pytest
+
+from flowabs_nodes.errors import closest, nearest
+
+
+@pytest.mark.parametrize(
+    ("name", "known", "right"),
+    [
+        ("sigma_C", ["sigma_m", "sigma_c", "sigma_s"], "sigma_c"),
+        ("SIGMA_M", ["sigma_c", "sigma_m"], "sigma_m"),
+        ("ETF@1", ["etf@1", "lic@1"], "etf@1"),
+        ("fig1", ["fig01", "fig10", "fig21"], "fig01"),
+        ("Fig007", ["fig06", "fig07", "fig17"], "fig07"),
+        ("shot10", ["shot0010", "shot0100"], "shot0010"),
+        ("srgb", ["sRGB", "lin_rec709"], "sRGB"),
+        ("brigth", ["bright", "plate"], "bright"),
+        ("zzz", ["bright"], None),
+    ],
+)
+def test_the_nearest_name_is_found_case_and_zeros_aside(name, known, right):
+    assert closest(name, known) == right
+    assert nearest(name, known) == (f"did you mean {right!r}?" if right else "known: bright")
