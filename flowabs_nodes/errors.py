@@ -54,11 +54,12 @@ class FlowabsError(Exception):
         return self
 
     def __str__(self) -> str:
+        named = self.message.startswith((f"{self.parameter}:", f"{self.parameter}["))  # said once is enough
         place = [
             f"{self.file}" if self.file is not None else "",
             f"frame {self.frame}" if self.frame is not None else "",
             f"node {self.node}" if self.node is not None else "",
-            f"parameter {self.parameter}" if self.parameter is not None else "",
+            f"parameter {self.parameter}" if self.parameter is not None and not named else "",
         ]
         text = ": ".join([*(part for part in place if part), self.message])
         return f"{text} ({self.hint})" if self.hint else text

@@ -1,6 +1,6 @@
 import pytest
 
-from flowabs_nodes.errors import closest, nearest
+from flowabs_nodes.errors import FlowabsError, closest, nearest
 
 
 @pytest.mark.parametrize(
@@ -20,3 +20,16 @@ from flowabs_nodes.errors import closest, nearest
 def test_the_nearest_name_is_found_case_and_zeros_aside(name, known, right):
     assert closest(name, known) == right
     assert nearest(name, known) == (f"did you mean {right!r}?" if right else "known: bright")
+
+
+@pytest.mark.parametrize(
+    ("message", "text"),
+    [
+        ("radius: expected a number", "node n: radius: expected a number"),
+        ("radius['x']: expected a number", "node n: radius['x']: expected a number"),
+        ("radius_2: expected a number", "node n: parameter radius: radius_2: expected a number"),
+        ("5 is too much", "node n: parameter radius: 5 is too much"),
+    ],
+)
+def test_a_parameter_is_named_once(message, text):
+    assert str(FlowabsError(message, node="n", parameter="radius")) == text

@@ -62,7 +62,7 @@ def override(graph: Graph, values: Mapping[str, Any]) -> Graph:
     errors = wrong + [_renamed(problem, places) for problem in problems.found if not problem.warning]
     if errors or result is None:
         raise GraphError(errors, file=graph.source or None)
-    warnings = tuple(_renamed(problem, places) for problem in result.warnings)
+    warnings = tuple(_renamed(problem, places) for problem in result.warnings if _is_news(problem, graph))
     return replace(result, notes=graph.notes, warnings=warnings)
 
 
@@ -102,6 +102,11 @@ def _find(graph: Graph, name: str, here: str, wrong: list[Problem]) -> Place | N
     else:
         return ("nodes", node, "params", param)
     return None
+
+
+def _is_news(problem: Problem, graph: Graph) -> bool:
+    """Return False for a knob that drives nothing only because a setting took its place."""
+    return problem.code != "unused-knob" or problem in graph.warnings
 
 
 def _renamed(problem: Problem, places: Mapping[str, str]) -> Problem:

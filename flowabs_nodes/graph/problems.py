@@ -12,7 +12,7 @@ from flowabs_nodes.errors import FlowabsError, closest
 #: The keys and indices that lead to a value of a document.
 Place = tuple[str | int, ...]
 
-#: Every code that a problem can have. The last two are warnings, the others are errors.
+#: Every code that a problem can have. The last three are warnings, the others are errors.
 CODES = (
     "bad-json",
     "too-big",
@@ -32,6 +32,7 @@ CODES = (
     "cycle",
     "unused-node",
     "unused-param",
+    "unused-knob",
 )
 
 

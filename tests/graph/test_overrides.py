@@ -163,3 +163,7 @@ def test_the_hint_names_what_was_meant(toon, name, hint):
     with pytest.raises(graph.GraphError) as caught:
         graph.override(toon, {name: 3})
     assert [problem.hint for problem in caught.value.problems] == [hint]
+
+
+def test_a_setting_in_a_knobs_place_is_no_warning(toon):
+    assert graph.override(toon, {"field.radius": 5}).warnings == ()
