@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable
 from typing import Any
 
@@ -53,11 +54,12 @@ class FlowabsError(Exception):
         return self
 
     def __str__(self) -> str:
+        named = self.message.startswith((f"{self.parameter}:", f"{self.parameter}["))  # said once is enough
         place = [
             f"{self.file}" if self.file is not None else "",
             f"frame {self.frame}" if self.frame is not None else "",
             f"node {self.node}" if self.node is not None else "",
-            f"parameter {self.parameter}" if self.parameter is not None else "",
+            f"parameter {self.parameter}" if self.parameter is not None and not named else "",
         ]
         text = ": ".join([*(part for part in place if part), self.message])
         return f"{text} ({self.hint})" if self.hint else text
@@ -115,12 +117,26 @@ class InternalError(FlowabsError):
     code = "internal"
 
 
+def closest(name: object, known: Iterable[str]) -> str | None:
+    """Return the known name that ``name`` was probably meant to be, case and leading zeros aside; None if none is."""
+    names: dict[str, str] = {}
+    for each in known:
+        names.setdefault(_plain(each), each)
+    close = difflib.get_close_matches(_plain(str(name)[:200]), names, 1)
+    return names[close[0]] if close else None
+
+
+def _plain(name: str) -> str:
+    """Return a name in lower case, its numbers without leading zeros: fig1 for Fig01."""
+    return re.sub(r"(?<!\d)0+(?=\d)", "", name.lower())
+
+
 def nearest(name: object, known: Iterable[str]) -> str:
     """Return a hint for a name that is not known: the nearest right name, or all names where none is near."""
     names = sorted(set(known))
-    close = difflib.get_close_matches(str(name)[:200], names, 1)
-    if close:
-        return f"did you mean {close[0]!r}?"
+    close = closest(name, names)
+    if close is not None:
+        return f"did you mean {close!r}?"
     if not names:
         return ""
     return "known: " + ", ".join(names)

@@ -249,8 +249,22 @@ class Image:
 
         One channel is mono, two are flow, three or four color, unless ``type`` says else. Color is scene-linear RGB or
         premultiplied RGBA in ``colorspace``. ``data`` takes any channels, with any names; ids are whole numbers.
+
+        ``colorspace`` may also name an encoding, as :func:`~flowabs_nodes.io.read.read_image` takes it: "sRGB", a
+        camera's log. Color and mono are then decoded to scene-linear (sRGB to linear Rec.709): floats as they are,
+        uint8 and uint16 after division by 255 or 65535; alpha is straight, as in a PNG, and never decoded.
+
+        Raises
+        ------
+        ArgumentError
+            Another shape or dtype; a uint8 or uint16 picture in a scene-linear space, where white would be 255 or 65535
+            times too bright: name the encoding, or divide.
+        ColorError
+            ``colorspace`` is no colour space.
         """
-        return cls(*image_convert.parts_of_array(array, type, channels), colorspace=colorspace)
+        parts = image_convert.parts_of_array(array, type, channels)
+        parts, space = image_convert.decoded(parts, np.asarray(array).dtype, colorspace)
+        return cls(*parts, colorspace=space)
 
     @classmethod
     def from_imagebuf(

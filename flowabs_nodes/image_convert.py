@@ -5,14 +5,21 @@ The functions here know nothing of :class:`~flowabs_nodes.image.Image`, which ca
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio
 
+from flowabs_nodes import color
 from flowabs_nodes.array_types import Array
+from flowabs_nodes.color.spaces import known
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.image_parts import Parts, Window
 from flowabs_nodes.port_types import TYPES, PortType, pixel_type
+
+if TYPE_CHECKING:
+    from flowabs_nodes.color import ColorSpace
 
 #: OpenImageIO's data types of whole numbers.
 _WHOLE_NUMBERS = (oiio.UINT8, oiio.INT8, oiio.UINT16, oiio.INT16, oiio.UINT32, oiio.INT32)
@@ -42,6 +49,47 @@ def parts_of_array(array: npt.ArrayLike, type: PortType | None, channels: tuple[
         channels = declared.channel_names(count) or tuple(f"channel{i}" for i in range(count))
     spec = oiio.ImageSpec(width, height, count, _oiio_type(pixels))
     return Parts(pixels, with_channels(spec, channels), type)
+
+
+def decoded(parts: Parts, stored: np.dtype[Any], colorspace: ColorSpace | str) -> tuple[Parts, ColorSpace]:
+    """Return the parts of an image made of an array in scene-linear light, and the space they are in.
+
+    ``stored`` is the array's dtype. Under the name of an encoding (sRGB, a camera's log), color and mono are decoded,
+    uint8 and uint16 after division by 255 or 65535, with alpha that is not premultiplied. ArgumentError for uint8 and
+    uint16 pictures that are said to be linear, and for other whole numbers under an encoding. ColorError for a name
+    that is no colour space.
+    """
+    whole = stored in (np.uint8, np.uint16)
+    seen = parts.type == "color" or "color" in pixel_type(parts.type).widens_to
+    if not seen or parts.type == "matte" or not _is_encoding(colorspace):
+        if whole and seen:
+            white = np.iinfo(stored).max
+            raise ArgumentError(
+                f"array: expected {parts.type} with white at 1, found {stored} with white at {white}",
+                hint=f"divide by {white}"
+                + ("" if parts.type == "matte" else ', or colorspace="sRGB" for a picture as screens show it'),
+                parameter="array",
+            )
+        return parts, color.space(colorspace)
+    if stored.kind != "f" and not whole:
+        raise ArgumentError(
+            f"array: expected uint8, uint16 or floats of {colorspace}, found {stored}", parameter="array"
+        )
+    pixels = parts.pixels / np.float32(np.iinfo(stored).max) if whole else parts.pixels
+    count = pixels.shape[2]
+    rgb, space = color.ocio.linearize(np.repeat(pixels, 3, axis=2) if count == 1 else pixels, str(colorspace))
+    if count == 4:
+        rgb[..., :3] *= rgb[..., 3:]
+    return parts._replace(pixels=np.ascontiguousarray(rgb[..., :count])), space
+
+
+def _is_encoding(colorspace: ColorSpace | str) -> bool:
+    """Return True for the name of code values, such as sRGB; False for a scene-linear space, and for data."""
+    if not isinstance(colorspace, str) or not colorspace or known(colorspace) is not None:
+        return False
+    from flowabs_nodes.color import named  # imports OpenColorIO, which known spaces do not need
+
+    return named.find(colorspace).kind not in ("linear", "data")
 
 
 def parts_of_imagebuf(buf: oiio.ImageBuf, type: PortType | None, layer: str) -> Parts:

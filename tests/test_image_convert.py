@@ -157,3 +157,56 @@ def test_whole_numbers_of_8_bits_are_ids_as_they_are() -> None:
     buf = oiio.ImageBuf(spec)
     buf.set_pixels(buf.roi, np.array([[[3], [255]]], np.uint8))
     np.testing.assert_array_equal(Image.from_imagebuf(buf).pixels.ravel(), [3, 255])
+
+
+STORED = np.array([[[0, 55, 255], [128, 200, 10]]])
+LINEAR = np.where(STORED / 255 <= 0.04045, STORED / 255 / 12.92, ((STORED / 255 + 0.055) / 1.055) ** 2.4)
+
+
+@pytest.mark.parametrize(
+    "array",
+    [STORED.astype(np.uint8), (STORED * 257).astype(np.uint16), STORED / 255, np.float32(STORED / 255)],
+    ids=["uint8", "uint16", "float64", "float32"],
+)
+@pytest.mark.parametrize("name", ["sRGB", "srgb_rec709_scene"])
+def test_an_array_of_srgb_is_decoded(array: np.ndarray, name: str) -> None:
+    image = Image.from_array(array, colorspace=name)
+    np.testing.assert_allclose(image.pixels, LINEAR, atol=2e-6)
+    assert (image.type, image.colorspace.name) == ("color", "lin_rec709")
+    grey = Image.from_array(array[..., 0], colorspace=name)
+    np.testing.assert_allclose(grey.pixels, LINEAR[..., :1], atol=2e-6)
+    assert grey.type == "mono"
+
+
+def test_alpha_of_an_encoding_is_straight_and_not_decoded() -> None:
+    rgba = np.concatenate([STORED, np.full((1, 2, 1), 51)], axis=2).astype(np.uint8)
+    image = Image.from_array(rgba, colorspace="sRGB")
+    np.testing.assert_allclose(image.pixels[..., 3], 0.2, rtol=1e-6)
+    np.testing.assert_allclose(image.pixels[..., :3], 0.2 * LINEAR, atol=2e-6)
+
+
+def test_an_array_of_a_log_is_decoded() -> None:
+    image = Image.from_array(np.full((2, 2, 3), 0.4135884), colorspace="ACEScct")
+    np.testing.assert_allclose(image.pixels, 0.18, atol=1e-3)
+    assert image.colorspace.name == "lin_ap1_scene"
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
+@pytest.mark.parametrize("space", ["lin_rec709", "lin_ap1_scene"])
+def test_whole_numbers_are_no_light(dtype: type, space: str) -> None:
+    white = np.iinfo(dtype).max
+    for array in (np.full((2, 2, 3), white, dtype), np.full((2, 2, 4), white, dtype), np.full((2, 2), white, dtype)):
+        with pytest.raises(ArgumentError, match=f'white at {white} .divide by {white}, or colorspace="sRGB"'):
+            Image.from_array(array, colorspace=space)
+    with pytest.raises(ArgumentError, match=f"divide by {white}.$"):
+        Image.from_array(np.full((2, 2), white, dtype), type="matte")
+
+
+def test_whole_numbers_that_are_no_picture_stay() -> None:
+    for type in ("depth", "id", "data"):
+        assert Image.from_array(np.full((2, 2), 200, np.uint8), type=type).pixels.max() == 200
+
+
+def test_other_whole_numbers_have_no_white() -> None:
+    with pytest.raises(ArgumentError, match="expected uint8, uint16 or floats of sRGB, found int64"):
+        Image.from_array(STORED, colorspace="sRGB")

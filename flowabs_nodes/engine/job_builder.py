@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 
 from flowabs_nodes.color.config import config
+from flowabs_nodes.engine.frame_numbers import frame_numbers
 from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.options import PathLike, RunOptions
 from flowabs_nodes.engine.plan import file_role, make_plan, sinks
@@ -16,7 +17,7 @@ from flowabs_nodes.graph.model import Graph
 from flowabs_nodes.graph.overrides import override
 from flowabs_nodes.io import formats
 from flowabs_nodes.io.frame_lock import check_writable
-from flowabs_nodes.io.sequences import Sequence, parse_frames
+from flowabs_nodes.io.sequences import Sequence
 from flowabs_nodes.io.settings import checked
 from flowabs_nodes.nodes import catalogue as installed
 from flowabs_nodes.nodes.declare import Node
@@ -101,13 +102,8 @@ def _frame_numbers(frames: str | int | Iterable[int] | None, inputs: list[Sequen
 
     A frame that one input has on disk counts even where another input lacks it, so that its absence is told.
     """
-    if isinstance(frames, str):
-        return parse_frames(frames)
     if frames is not None:
-        numbers = tuple(dict.fromkeys([frames] if isinstance(frames, int) else frames))
-        if not numbers or not all(isinstance(number, int) and not isinstance(number, bool) for number in numbers):
-            raise CommandError(f"expected a range or whole numbers, found {frames!r}", code="bad-frames")
-        return numbers
+        return frame_numbers(frames)
     numbered = [sequence for sequence in inputs if sequence.has_token]
     if not numbered:
         return (1,)

@@ -10,6 +10,7 @@ import inspect
 import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import Field, dataclass, field, fields, replace
+from numbers import Real
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -164,9 +165,10 @@ class RunOptions:
                     hint=nearest(value, choices),
                     parameter=option.name,
                 )
-        scale = self.scale
-        if isinstance(scale, bool) or not isinstance(scale, int | float) or not 0 < scale <= 1:
+        scale: Any = self.scale
+        if isinstance(scale, bool) or not isinstance(scale, Real) or not 0 < float(scale) <= 1:
             raise ArgumentError(f"scale: expected a number above 0 up to 1, found {scale!r}", parameter="scale")
+        object.__setattr__(self, "scale", float(scale))  # NumPy's numbers become Python's
 
     @property
     def settings(self) -> Settings:

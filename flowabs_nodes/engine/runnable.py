@@ -10,6 +10,7 @@ from typing import Any
 
 from flowabs_nodes import graph as graphs
 from flowabs_nodes.engine.evaluate import Evaluation
+from flowabs_nodes.engine.frame_numbers import frame_number, whole_number
 from flowabs_nodes.engine.frame_windows import FrameWindows
 from flowabs_nodes.engine.options import RunOptions
 from flowabs_nodes.engine.plan import Result, make_plan, named_result, sinks
@@ -39,7 +40,7 @@ class RunnableGraph(Graph):
         frame: int = 1,
         given: Given | None = None,
         set: Mapping[str, Any] | None = None,
-        outputs: Iterable[str] | None = None,
+        outputs: str | Iterable[str] | None = None,
         scale: float = 1.0,
         settings: Settings | None = None,
         on_event: Listener | None = None,
@@ -49,16 +50,17 @@ class RunnableGraph(Graph):
         Parameters
         ----------
         frame
-            The frame's number, for curves and for files of sequences.
+            The frame's number, for curves and for files of sequences: a whole number of Python or NumPy.
         given
             Images that stand in for outputs, by ``"node"`` (its first output) or ``"node.output"``. Whatever only
             these outputs depend on, files included, is not touched. An image is that of ``frame``; for nodes that read
             other frames too, give a dict from frame number to Image: ``{"plate": {9: before, 10: image, 11: after}}``
             for frame 10. On frames that are not given, the output is not there.
         set
-            Values of knobs and parameters: ``{"line_width": 1.5, "lines.softness": 2}``.
+            Values of knobs and parameters: ``{"line_width": 1.5, "lines.softness": 2}``. NumPy's numbers are numbers.
         outputs
-            The outputs to compute, named as in ``given``. Without them, all that go into the graph's ``write`` nodes.
+            The outputs to compute, named as in ``given``; one may stand alone: ``"comp"``.
+            Without them, all that go into the graph's ``write`` nodes.
         scale
             Above 0 up to 1: makes the pictures that come in smaller, and pixel lengths with them.
         settings
@@ -78,16 +80,17 @@ class RunnableGraph(Graph):
         CommandError
             A name does not exist (the nearest is told), or a file to read is not set and its image not given.
         ArgumentError
-            ``scale`` is out of range, or something given is not an image of the output's type.
+            ``frame`` is no whole number, ``scale`` is out of range, or something given is not an image of the output's
+            type.
         FlowabsError
             Whatever went wrong while computing, with node and frame.
         """
-        graph = self.with_set(set) if set else self
+        frame = frame_number(frame)
+        graph = self if set is None else self.with_set(set)
         options = RunOptions(scale=scale, **vars(settings or Settings()))
-        images = {
-            result: scale_image(image, scale) for result, image in _given_images(graph, given or {}, frame).items()
-        }
-        names = tuple(outputs) if outputs is not None else _written_outputs(graph)
+        stand_ins = {} if given is None else _given_images(graph, given, frame)
+        images = {result: scale_image(image, options.scale) for result, image in stand_ins.items()}
+        names = _written_outputs(graph) if outputs is None else _output_names(outputs)
         wanted = {name: named_result(graph, name, frame) for name in names}
         params = UnitParams(graph)
         found = Sources(graph, params, options)
@@ -111,6 +114,8 @@ class RunnableGraph(Graph):
         ------
         GraphError
             With every wrong name and value in ``problems``.
+        ArgumentError
+            ``values`` is no dict.
         """
         return _runnable(graphs.override(self, values))
 
@@ -122,6 +127,10 @@ def load_graph(source: GraphSource) -> RunnableGraph:
     ------
     GraphError
         With every problem of the graph in ``problems``.
+    CommandError
+        If the file cannot be read, or there is no graph of that name.
+    ArgumentError
+        If ``source`` is something else.
     """
     return _runnable(source if isinstance(source, Graph) else graphs.load(source))
 
@@ -135,6 +144,12 @@ def _runnable(graph: Graph) -> RunnableGraph:
 
 def _given_images(graph: Graph, given: Given, frame: int) -> dict[Result, Image]:
     """Return the images by the result they stand in for, each as a type that the output may have."""
+    if not isinstance(given, Mapping):
+        raise ArgumentError(
+            f'given: expected a dict such as {{"plate": image}}, found {type(given).__name__}',
+            code="wrong-type",
+            parameter="given",
+        )
     images: dict[Result, Image] = {}
     for name, what in given.items():
         result = named_result(graph, name, frame)
@@ -143,20 +158,27 @@ def _given_images(graph: Graph, given: Given, frame: int) -> dict[Result, Image]
         if not isinstance(what, Mapping):
             images[result] = _given_image(graph, result, what, f"given[{name!r}]")
             continue
-        if frame not in what:
-            found = ", ".join(map(str, what)) or "none"
+        frames = {_given_frame(name, number): image for number, image in what.items()}
+        if frame not in frames:
+            found = ", ".join(map(str, frames)) or "none"
             raise ArgumentError(
                 f"given[{name!r}]: expected an Image of frame {frame}, the one to run, among its frames, found {found}",
                 parameter="given",
             )
-        for number, image in what.items():
-            if not isinstance(number, int) or isinstance(number, bool):
-                raise ArgumentError(
-                    f"given[{name!r}]: expected frame numbers, found {number!r}", code="wrong-type", parameter="given"
-                )
+        for number, image in frames.items():
             place = f"given[{name!r}][{number}]"
             images[result._replace(frame=number)] = _given_image(graph, result, image, place)
     return images
+
+
+def _given_frame(name: str, number: object) -> int:
+    """Return a key of ``given[name]`` as the frame number that it is; raise ArgumentError if it is none."""
+    frame = whole_number(number)
+    if frame is None:
+        raise ArgumentError(
+            f"given[{name!r}]: expected frame numbers, found {number!r}", code="wrong-type", parameter="given"
+        )
+    return frame
 
 
 def _given_image(graph: Graph, result: Result, image: Image, place: str) -> Image:
@@ -177,6 +199,19 @@ def _given_image(graph: Graph, result: Result, image: Image, place: str) -> Imag
             parameter="given",
         )
     return image.as_type(kind)
+
+
+def _output_names(outputs: str | Iterable[str]) -> tuple[str, ...]:
+    """Return the names in ``outputs``, a list of them or a single one; raise ArgumentError for anything else."""
+    names = (outputs,) if isinstance(outputs, str) else tuple(outputs) if isinstance(outputs, Iterable) else (outputs,)
+    for name in names:
+        if not isinstance(name, str):
+            raise ArgumentError(
+                f"outputs: expected names such as 'lines' or ['lines', 'comp.ink'], found {name!r}",
+                code="wrong-type",
+                parameter="outputs",
+            )
+    return names
 
 
 def _written_outputs(graph: Graph) -> tuple[str, ...]:

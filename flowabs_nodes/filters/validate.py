@@ -5,6 +5,7 @@ Arrays come back as C-contiguous float32, not copied if they are that already.
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Callable
 from typing import Any
@@ -15,6 +16,11 @@ import numpy.typing as npt
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ArgumentError, nearest
 from flowabs_nodes.simd.finite import is_finite, is_summable, refuse_enormous, refuse_non_finite
+
+log = logging.getLogger("flowabs")
+
+#: What filters call the code values that they work on.
+_CODE_VALUES = ("code", "codes")
 
 
 def plane(name: str, value: npt.ArrayLike, shape: tuple[int, ...] | None = None, *, check_finite: bool = True) -> Array:
@@ -140,4 +146,12 @@ def _array(
     if check_finite and not (is_summable(result) if summed else is_finite(result)):
         refuse_non_finite(name, result)
         refuse_enormous(name, result)
+    if name in _CODE_VALUES:
+        _note_if_0_to_1(name, result)
     return result
+
+
+def _note_if_0_to_1(name: str, codes: Array) -> None:
+    """Write a line to the log where code values look as if white were 1. A picture of blacks alone does not."""
+    if codes[::16, ::16].max() <= 1 and 0.5 < codes.max() <= 1 and codes.min() >= 0:
+        log.warning("%s: code values look like 0..1: multiply by 255 (white is 255)", name)

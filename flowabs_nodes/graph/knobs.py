@@ -82,7 +82,14 @@ def _check_range(knob: Knob, place: Place, problems: Problems) -> None:
     wrong = (knob.param if problems.errors == before else free).problem(knob.default)
     if wrong:
         hint = problems.near(knob.default, knob.choices) if knob.choices else ""
+        if knob.type == "int" and wrong[0] == "wrong-type":
+            hint = whole_hint(knob.default)
         problems.add(wrong[0], (*place, "default"), show(knob.default), wrong[1], hint)
+
+
+def whole_hint(value: Any) -> str:
+    """Return what to write instead of 3.0 where a whole number belongs; nothing for any other value."""
+    return f"write {value:.0f}" if isinstance(value, float) and value.is_integer() else ""
 
 
 def check_drives(knob: Knob, param: Param, owner: str, place: Place, problems: Problems) -> None:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from flowabs_nodes.errors import CommandError
+from flowabs_nodes.errors import ArgumentError, CommandError
 from flowabs_nodes.graph.jsonable import jsonable
 from flowabs_nodes.graph.model import Graph
 from flowabs_nodes.graph.problems import GraphError, Problem, Problems
@@ -16,7 +17,7 @@ from flowabs_nodes.graph.validate import validate
 from flowabs_nodes.nodes import catalogue as installed
 from flowabs_nodes.nodes.declare import Node
 
-Source = str | Path | bytes | Mapping[str, Any]
+Source = str | os.PathLike[str] | bytes | Mapping[str, Any]
 
 
 def load(source: Source, catalogue: Mapping[str, Node] | None = None) -> Graph:
@@ -35,6 +36,8 @@ def load(source: Source, catalogue: Mapping[str, Node] | None = None) -> Graph:
         If the graph is not valid; ``problems`` holds everything that is wrong with it.
     CommandError
         If the file cannot be read, or there is no such graph.
+    ArgumentError
+        If ``source`` is none of these.
     """
     graph, problems, file = _read(source, catalogue)
     if graph is None:
@@ -56,13 +59,27 @@ def _read(source: Source, catalogue: Mapping[str, Node] | None) -> tuple[Graph |
         elif isinstance(source, bytes):
             document = parse(source, problems)
         else:
-            path = source if isinstance(source, Path) else resolve(source)
+            path = _path(source)
             file = str(path)
             document = parse(_bytes(path), problems)
         graph = validate(document, installed() if catalogue is None else catalogue, problems, file)
     except GraphError as error:
         return None, [*problems.found, *error.problems], file
     return graph, problems.found, file
+
+
+def _path(source: Any) -> Path:
+    """Return the file that a path, or the name of a shipped graph, stands for; ArgumentError for anything else."""
+    if isinstance(source, str):
+        return resolve(source)
+    if isinstance(source, os.PathLike):
+        return Path(os.fsdecode(source))
+    raise ArgumentError(
+        "source: expected a path, the name of a graph that comes with flowabs, JSON as bytes, or a dict, "
+        f"found {'None' if source is None else type(source).__name__}",
+        code="wrong-type",
+        parameter="source",
+    )
 
 
 def _bytes(path: Path) -> bytes:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.graph.jsonable import jsonable
 from flowabs_nodes.graph.model import Graph
 from flowabs_nodes.graph.problems import GraphError, Place, Problem, Problems, pointer, show
@@ -28,8 +29,10 @@ def override(graph: Graph, values: Mapping[str, Any]) -> Graph:
     """Return the graph with other values: ``{"knob": value, "node.parameter": value}``, as on the command line.
 
     A knob's value becomes its default; a parameter takes whatever the graph file may say there. Raises GraphError with
-    everything that is wrong, each problem at a place like ``--set lines.rho``.
+    everything that is wrong, each problem at a place like ``--set lines.rho``; ArgumentError where ``values`` is no
+    dict from names to values.
     """
+    _needs_names(values)
     document = copy.deepcopy(graph.document)
     wrong: list[Problem] = []
     places: dict[str, str] = {}
@@ -59,8 +62,21 @@ def override(graph: Graph, values: Mapping[str, Any]) -> Graph:
     errors = wrong + [_renamed(problem, places) for problem in problems.found if not problem.warning]
     if errors or result is None:
         raise GraphError(errors, file=graph.source or None)
-    warnings = tuple(_renamed(problem, places) for problem in result.warnings)
+    warnings = tuple(_renamed(problem, places) for problem in result.warnings if _is_news(problem, graph))
     return replace(result, notes=graph.notes, warnings=warnings)
+
+
+def _needs_names(values: Any) -> None:
+    """Raise ArgumentError unless ``values`` is a dict from names to values."""
+    found = None if isinstance(values, Mapping) else type(values).__name__
+    if found is None:
+        found = next((f"the name {name!r}" for name in values if not isinstance(name, str)), None)
+    if found is not None:
+        raise ArgumentError(
+            f'set: expected a dict such as {{"knob": 1, "node.parameter": 2}}, found {found}',
+            code="wrong-type",
+            parameter="set",
+        )
 
 
 def _find(graph: Graph, name: str, here: str, wrong: list[Problem]) -> Place | None:
@@ -71,7 +87,10 @@ def _find(graph: Graph, name: str, here: str, wrong: list[Problem]) -> Place | N
     if not dot:
         if name in graph.interface:
             return ("interface", name, "default")
-        hint = problems.near(name, [*graph.interface, *graph.nodes])
+        if name in graph.nodes:
+            hint = f"{name} is a node: set {name}.PARAMETER"
+        else:
+            hint = problems.near(name, [*graph.interface, *graph.nodes])
         wrong.append(Problem("unknown-param", here, show(name), "a knob, or node.parameter", hint))
     elif node not in graph.nodes:
         hint = problems.near(node, graph.nodes)
@@ -83,6 +102,11 @@ def _find(graph: Graph, name: str, here: str, wrong: list[Problem]) -> Place | N
     else:
         return ("nodes", node, "params", param)
     return None
+
+
+def _is_news(problem: Problem, graph: Graph) -> bool:
+    """Return False for a knob that drives nothing only because a setting took its place."""
+    return problem.code != "unused-knob" or problem in graph.warnings
 
 
 def _renamed(problem: Problem, places: Mapping[str, str]) -> Problem:

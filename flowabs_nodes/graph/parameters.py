@@ -7,7 +7,7 @@ from typing import Any
 
 from flowabs_nodes.graph.document_keys import NUMBER
 from flowabs_nodes.graph.format import FRAME
-from flowabs_nodes.graph.knobs import check_drives
+from flowabs_nodes.graph.knobs import check_drives, whole_hint
 from flowabs_nodes.graph.model import Knob
 from flowabs_nodes.graph.problems import Place, Problems, show
 from flowabs_nodes.graph.values import Curve, FromKnob, Literal, Value
@@ -58,6 +58,8 @@ def _check(param: Param, value: Any, place: Place, problems: Problems) -> None:
         hint = problems.near(value, param.choices) if param.choices else ""
         if param.kind in ("string", "file") and wrong[0] == "wrong-type":
             hint = f"a text stands in quotes: {_quoted(value)}" if isinstance(value, int | float) else ""
+        if param.kind == "int" and wrong[0] == "wrong-type":
+            hint = whole_hint(value)
         problems.add(wrong[0], place, show(value), wrong[1], hint)
 
 

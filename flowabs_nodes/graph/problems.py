@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import difflib
 import json
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from flowabs_nodes.errors import FlowabsError
+from flowabs_nodes.errors import FlowabsError, closest
 
 #: The keys and indices that lead to a value of a document.
 Place = tuple[str | int, ...]
 
-#: Every code that a problem can have. The last two are warnings, the others are errors.
+#: Every code that a problem can have. The last three are warnings, the others are errors.
 CODES = (
     "bad-json",
     "too-big",
@@ -33,6 +32,7 @@ CODES = (
     "cycle",
     "unused-node",
     "unused-param",
+    "unused-knob",
 )
 
 
@@ -139,8 +139,7 @@ class Problems:
     def closest(self, name: object, known: Collection[str]) -> str | None:
         """Return the known name that ``name`` was probably meant to be; None if none is close."""
         self.comparisons -= len(known)
-        close = difflib.get_close_matches(str(name)[:200], known, 1) if self.comparisons >= 0 else []
-        return close[0] if close else None
+        return closest(name, known) if self.comparisons >= 0 else None
 
     def meant(self, name: object, unset: Collection[str], known: Collection[str]) -> tuple[str | None, str]:
         """Return which name of ``unset`` this one was probably meant to be, and a hint (from all known names)."""

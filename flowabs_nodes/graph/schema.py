@@ -1,6 +1,7 @@
 """Makes the JSON Schema (2020-12) of the graph file from the declarations: for editors, forms and other programs.
 
-What a schema cannot say (links that lead somewhere, ports that fit, cycles, knobs that fit) only :func:`check` says.
+What a schema cannot say (that 3.0 is no whole number, links that lead somewhere, ports that fit, cycles, knobs that
+fit) only :func:`check` says.
 What panels need beside ``title``, ``description`` and ``default`` has keys of its own, which begin with ``x-``.
 """
 
@@ -50,6 +51,7 @@ def schema(catalogue: Mapping[str, Node] | None = None) -> Schema:
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "flowabs graph",
         "description": f"A graph of image nodes, {FORMAT}.",
+        "$comment": "Whole numbers are written without a fraction: flowabs refuses 3.0, which is an integer here.",
         "type": "object",
         "properties": properties,
         "required": ["format", "nodes"],

@@ -1,4 +1,8 @@
-"""Warns of parameters that a graph sets although its own settings disable them: XDoG's phi in a paper-style drawing."""
+"""Warns of what a graph sets to no effect.
+
+That is a parameter which the graph's own settings disable, such as XDoG's phi in a paper-style drawing, and a knob that
+drives nothing.
+"""
 
 from __future__ import annotations
 
@@ -25,6 +29,16 @@ def add_unused_params(nodes: Iterable[GraphNode], knobs: Mapping[str, Knob], pro
         for name in conditional:
             if not node.declaration.is_enabled(name, values):
                 _add(node, declared[name], values, problems)
+
+
+def add_unused_knobs(nodes: Iterable[GraphNode], knobs: Mapping[str, Knob], problems: Problems) -> None:
+    """Add a warning for each knob that no parameter takes its value from."""
+    used = {value.knob for node in nodes for value in node.params.values() if isinstance(value, FromKnob)}
+    for name in knobs:
+        if name not in used:
+            found = f"the knob {name}, which drives nothing"
+            expected = f'a parameter set to {{"from": {show(name)}}}'
+            problems.add("unused-knob", ("interface", name), found, expected, "leave it out", warning=True)
 
 
 def _add(node: GraphNode, param: Param, values: Mapping[str, Any], problems: Problems) -> None:

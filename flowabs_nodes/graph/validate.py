@@ -17,7 +17,7 @@ from flowabs_nodes.graph.model import Graph, GraphNode, Knob, Link
 from flowabs_nodes.graph.parameters import read_value
 from flowabs_nodes.graph.problems import Place, Problems, show
 from flowabs_nodes.graph.reference_size import read_reference_size
-from flowabs_nodes.graph.unused_params import add_unused_params
+from flowabs_nodes.graph.unused_params import add_unused_knobs, add_unused_params
 from flowabs_nodes.graph.upgrade import upgrade_format, upgrade_node
 from flowabs_nodes.graph.values import Value
 from flowabs_nodes.nodes.declare import Node
@@ -44,6 +44,7 @@ def validate(document: Any, catalogue: Mapping[str, Node], problems: Problems, s
         return None
     interface = {name: knob for name, knob in knobs.items() if knob is not None}
     add_unused_params((nodes[name] for name in raw_nodes), interface, problems)
+    add_unused_knobs(nodes.values(), interface, problems)
     return Graph(
         name=top.get("name", ""),
         description=top.get("description", ""),

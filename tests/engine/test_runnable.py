@@ -214,3 +214,52 @@ def test_code_values_that_nobody_else_wants_are_held_by_the_filter_alone(monkeyp
     links = {"image": "plate", "flow": "flow"}
     nodes = {"flow": {"type": "etf@1", "inputs": {"image": "plate"}}, "smooth": {"type": "fbl@1", "inputs": links}}
     load_graph(graphs.load(document(**nodes))).run(given={"plate": picture()}, outputs=["smooth"])
+
+
+def test_numbers_of_numpy_are_numbers(graph):
+    image = picture()
+    plain = graph.run(2, {"plate": image}, {"stops": 2}, ["bright"], 0.5)["bright"].pixels
+    given = {"plate": {np.int64(2): image, np.int32(1): image}}
+    out = graph.run(np.uint16(2), given, {"stops": np.float32(2)}, ["bright"], np.float32(0.5))
+    np.testing.assert_array_equal(out["bright"].pixels, plain)
+    brighter = {**graph.document["nodes"]["bright"], "params": {"stops": np.array(2)}}
+    nodes = {**graph.document["nodes"], "bright": brighter}
+    written = graphs.load({**graph.document, "nodes": nodes}, catalogue() | {"split": SPLIT})
+    assert written.values(1)["bright"]["stops"] == 2
+
+
+def test_one_output_may_stand_alone(graph):
+    assert list(graph.run(given={"plate": picture()}, outputs="bright")) == ["bright"]
+    assert list(graph.run(given={"plate": picture()}, outputs=np.array(["tones.mono", "bright"]))) == [
+        "tones.mono",
+        "bright",
+    ]
+    with pytest.raises(CommandError, match=r"no node 'brigth'.*did you mean 'bright'"):
+        graph.run(given={"plate": picture()}, outputs="brigth")
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"frame": 1.5}, "frame: expected a whole number, found 1.5"),
+        ({"frame": None}, "frame: expected a whole number, found None"),
+        ({"frame": True}, "frame: expected a whole number, found True"),
+        ({"outputs": 3}, "outputs: expected names such as 'lines'.*found 3"),
+        ({"outputs": [None]}, "outputs: expected names .*found None"),
+        ({"given": [picture()]}, "given: expected a dict.*found list"),
+        ({"given": {"plate": {1.0: picture()}}}, "expected frame numbers, found 1.0"),
+        ({"set": ["stops=2"]}, "set: expected a dict.*found list"),
+        ({"set": {2: 1}}, "set: expected a dict.*found the name 2"),
+        ({"scale": np.float64("nan")}, "scale: expected a number above 0 up to 1"),
+        ({"scale": "1"}, "scale: expected a number above 0 up to 1"),
+    ],
+)
+def test_what_python_may_hand_over_by_mistake(graph, options, words):
+    with pytest.raises(ArgumentError, match=words):
+        graph.run(**{"given": {"plate": picture()}, **options})
+
+
+@pytest.mark.parametrize("source", [None, 3, ["lines"], 1.5, object()])
+def test_what_is_no_graph(source):
+    with pytest.raises(ArgumentError, match=r"expected a path, the name of a graph .*, or a dict, found"):
+        load_graph(source)

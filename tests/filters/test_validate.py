@@ -129,3 +129,36 @@ def test_a_plane_has_to_fit_the_picture():
     with pytest.raises(ArgumentError, match="alpha: expected the size of the picture, 5x4, found 4x5") as error:
         validate.plane("alpha", np.zeros((5, 4)), (4, 5, 3))
     assert error.value.parameter == "alpha"
+
+
+@pytest.mark.parametrize("name", ["code", "codes"])
+@pytest.mark.parametrize(
+    ("low", "high", "told"),
+    [
+        (0, 1, True),
+        (0.1, 0.8, True),
+        (0, 255, False),
+        (0, 1.2, False),
+        (0, 0.3, False),
+        (-0.1, 1, False),
+        (0, 0, False),
+    ],
+)
+def test_code_values_of_0_to_1_are_noted(name, low, high, told, caplog):
+    picture = np.linspace(low, high, 40 * 50 * 3).reshape(40, 50, 3)
+    with caplog.at_level("INFO", "flowabs"):
+        validate.planes(name, picture)
+        validate.planes("rgb", picture)
+    assert [record.message for record in caplog.records] == (
+        [f"{name}: code values look like 0..1: multiply by 255 (white is 255)"] if told else []
+    )
+
+
+def test_a_filter_of_0_to_1_is_noted_and_runs(caplog):
+    from flowabs_nodes import filters
+
+    code = np.random.default_rng(1).random((20, 30))
+    flow = filters.etf(code)
+    filters.fdog(code, flow)
+    filters.dog(code)
+    assert len(caplog.records) == 3

@@ -1,6 +1,8 @@
+import numpy as np
 import pytest
 
 from flowabs_nodes import graph
+from flowabs_nodes.errors import ArgumentError
 from tests.graph.fakes import CATALOGUE, document
 
 
@@ -127,3 +129,41 @@ def test_from_the_command_line(text, value):
     result = graph.parse_setting(text)
     assert result == value
     assert type(result) is type(value)
+
+
+def test_numbers_of_numpy_are_numbers(toon):
+    curve = {"curve": {np.int64(1): np.float32(1), np.int32(3): 3}}
+    values = {"width": np.float32(2), "passes": np.int64(3), "all": np.bool_(False), "tint": np.ones(3)}
+    changed = graph.override(toon, {**values, "drawing.sigma": curve}).values(2)
+    assert changed["field"]["iterations"] == 3
+    assert changed["field"]["color"] is False
+    assert changed["toon"]["ink"] == (1, 1, 1)
+    assert changed["drawing"]["sigma"] == 2
+    assert problems(toon, passes=np.float64(2.5)) == [("wrong-type", "--set passes")]
+
+
+@pytest.mark.parametrize("values", [["width=2"], "width=2", 3, {2: 1}])
+def test_what_are_no_values(toon, values):
+    with pytest.raises(ArgumentError, match="expected a dict such as"):
+        graph.override(toon, values)
+
+
+@pytest.mark.parametrize(
+    ("name", "hint"),
+    [
+        ("field", "field is a node: set field.PARAMETER"),
+        ("plate", "plate is a node: set plate.PARAMETER"),
+        ("Width", "did you mean 'width'?"),
+        ("FIELD", "did you mean 'field'?"),
+        ("Field.radius", "did you mean 'field'?"),
+        ("field.RADIUS", "did you mean 'field.radius'?"),
+    ],
+)
+def test_the_hint_names_what_was_meant(toon, name, hint):
+    with pytest.raises(graph.GraphError) as caught:
+        graph.override(toon, {name: 3})
+    assert [problem.hint for problem in caught.value.problems] == [hint]
+
+
+def test_a_setting_in_a_knobs_place_is_no_warning(toon):
+    assert graph.override(toon, {"field.radius": 5}).warnings == ()

@@ -127,7 +127,7 @@ GOOD = [
 def test_more_good_graphs(place, value):
     source = changed(place, value)
     VALIDATOR.validate(source)
-    assert graph.check(source, CATALOGUE) == []
+    assert [each for each in graph.check(source, CATALOGUE) if not each.warning] == []
 
 
 @settings(max_examples=200, deadline=None)

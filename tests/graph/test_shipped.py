@@ -93,3 +93,10 @@ def test_noise_in_blacks_stays_in_blacks(name, sigma):
     pixels = load_graph(name).run(1, given={"plate": Image.from_array(noise)}, outputs=[output])[output].pixels
     assert pixels.max() < 1.5 * noise.max()
     assert pixels.min() > 1.5 * noise.min()
+
+
+@pytest.mark.parametrize(("name", "right"), [("fig1", "fig01"), ("Fig7", "fig07"), ("LINES", "lines")])
+def test_a_graph_is_found_case_and_zeros_aside(name, right):
+    with pytest.raises(CommandError) as caught:
+        resolve(name)
+    assert caught.value.hint == f"did you mean {right!r}?"

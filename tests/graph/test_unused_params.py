@@ -123,3 +123,26 @@ def test_xdog_in_a_paper_drawing():
     source["nodes"]["ink"]["params"]["form"] = "xdog"
     (problem,) = graph.check(source)
     assert problem.pointer == "/nodes/ink/params/rho"
+
+
+def test_a_knob_that_drives_nothing():
+    from tests.graph import fakes
+
+    whole = fakes.document()
+    spare = {"type": "float", "default": 1}
+    whole["interface"] |= {"spare": spare}
+    found = graph.check(whole, fakes.CATALOGUE)
+    assert [(each.code, each.pointer, each.warning) for each in found] == [("unused-knob", "/interface/spare", True)]
+    assert "drives nothing" in found[0].found
+    whole["nodes"]["field"]["params"]["radius"] = {"from": "spare"}
+    assert [each.pointer for each in graph.check(whole, fakes.CATALOGUE)] == ["/interface/calm"]
+
+
+def test_a_whole_number_is_written_without_a_fraction():
+    from tests.graph import fakes
+
+    whole = fakes.document()
+    whole["nodes"]["field"]["params"]["iterations"] = 3.0
+    found = [each for each in graph.check(whole, fakes.CATALOGUE) if not each.warning]
+    assert [(each.code, each.found, each.hint) for each in found] == [("wrong-type", "3.0", "write 3")]
+    assert "3.0" in graph.schema(fakes.CATALOGUE)["$comment"]
