@@ -73,19 +73,19 @@ def prefetch_rows(picture: Array, smoothed: Array, x: int, y: int, below: int, r
 def locate(
     coords: SampleCoords,
     at: int,
-    dx: Doubles,
-    dy: Doubles,
+    offset: tuple[Doubles, Doubles],
     x: int,
     y: int,
     raster: Raster,
     size: int,
     bilinear: bool | None,
 ) -> None:
-    """Write the coordinates of the samples (dx, dy) away from the pixels x .. x + 15 of row y.
+    """Write the coordinates of the samples ``offset`` (dx, dy) away from the pixels x .. x + 15 of row y.
 
     ``coords`` takes them from index ``at`` on, a multiple of sixteen. ``raster`` and ``size`` are those of the picture
     and of its records, ``bilinear`` is None or True.
     """
+    dx, dy = offset
     if bilinear is None:
         columns, rows = nearest_pixels(dx, dy, x, y, raster)
         store(coords.place, at, (rows * raster.stride + columns) * size)

@@ -28,7 +28,7 @@ def _read(picture: Any, dx: Any, dy: Any, bilinear: Any, alpha: Any, raster: Ras
             x = min(x0, raster.stride - LANES)
             pixel = y * raster.stride + x
             prefetch_rows(picture, out, x, y, 7, raster, size)
-            locate(coords, 5 * LANES, load(dx, pixel), load(dy, pixel), x, y, raster, size, bilinear)
+            locate(coords, 5 * LANES, (load(dx, pixel), load(dy, pixel)), x, y, raster, size, bilinear)
             color = sample(picture, below, coords, 5 * LANES, bilinear, alpha)
             store(out, pixel, color.l)
             store(out, pixels + pixel, color.a)

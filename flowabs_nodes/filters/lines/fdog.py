@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -128,9 +129,18 @@ class Detector:
             return first
         # A picture of one channel has no colour: the kernel gets its lightness three times, and reads it once.
         channels = [as_run(responses[min(c, len(responses) - 1)]) for c in range(3)]
-        joined, weight = empty_run(responses[0].size), np.float32(self.color_weight)
-        over_pixels(_join_channels, joined.size, *channels, len(responses) > 1, weight, self.color_sign, joined)
+        joined = empty_run(responses[0].size)
+        rule = ColorRule(len(responses) > 1, np.float32(self.color_weight), self.color_sign)
+        over_pixels(_join_channels, joined.size, *channels, rule, joined)
         return as_picture(joined, *flow.shape[:2])
+
+
+class ColorRule(NamedTuple):
+    """How the responses of colour join that of lightness."""
+
+    is_color: bool  # whether there are any
+    weight: np.float32
+    color_sign: bool  # colour decides the sign where lightness has next to none
 
 
 @kernel
@@ -140,16 +150,14 @@ def _join_channels(
     lightness: Array,
     a: Array,
     b: Array,
-    is_color: bool,
-    weight: float,
-    color_sign: bool,
+    rule: ColorRule,
     joined: Array,
 ) -> None:
-    """Join the channels' responses to H = M tanh(2 d_L), M = sqrt(d_L^2 + w^2 (d_a^2 + d_b^2)), w being ``weight``.
+    """Join the channels' responses to H = M tanh(2 d_L), M = sqrt(d_L^2 + w^2 (d_a^2 + d_b^2)), w being the weight.
 
-    Where ``color_sign``, colour decides the sign in the place of lightness where lightness has next to none. Writes the
-    blocks ``first`` .. ``last`` - 1 of sixteen pixels; ``a`` and ``b`` count where ``is_color``.
+    Writes the blocks ``first`` .. ``last`` - 1 of sixteen pixels.
     """
+    is_color, weight, color_sign = rule
     for block in range(first, last):
         i = first_pixel(block, joined.size)
         d, da, db = load(lightness, i), splat_floats(0.0), splat_floats(0.0)

@@ -121,13 +121,13 @@ def _along_line(
                         at = 2 * LANES * (block * _STEPS + s - first_s)
                         dx, dy = float(s) * ux, float(s) * uy
                         if kappa is None:
-                            locate(coords, at, dx, dy, x, y, raster, size, bilinear)
-                            locate(coords, at + LANES, -dx, -dy, x, y, raster, size, bilinear)
+                            locate(coords, at, (dx, dy), x, y, raster, size, bilinear)
+                            locate(coords, at + LANES, (-dx, -dy), x, y, raster, size, bilinear)
                         else:
                             bend = load(kappa, pixel) * (float(s) * float(s) / 2)
                             bx, by = -bend * uy, bend * ux
-                            locate(coords, at, bx + dx, by + dy, x, y, raster, size, bilinear)
-                            locate(coords, at + LANES, bx - dx, by - dy, x, y, raster, size, bilinear)
+                            locate(coords, at, (bx + dx, by + dy), x, y, raster, size, bilinear)
+                            locate(coords, at + LANES, (bx - dx, by - dy), x, y, raster, size, bilinear)
                 for block in range(_BLOCKS):
                     pixel = y * raster.stride + min(x0 + block * LANES, raster.stride - LANES)
                     centre = load_color(values, pixel, alpha)

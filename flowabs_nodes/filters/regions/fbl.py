@@ -191,7 +191,7 @@ def _along_flow(
                 for at in range(0, BATCH, LANES):
                     x = block_column(x0, at, raster)
                     advance(curves, at, x, y, raster)
-                    locate(coords, at, load(curves.dx, at), load(curves.dy, at), x, y, raster, size, bilinear)
+                    locate(coords, at, (load(curves.dx, at), load(curves.dy, at)), x, y, raster, size, bilinear)
                 for at in range(0, BATCH, 2 * LANES):
                     centre = load_color(values, y * raster.stride + block_column(x0, at, raster), alpha)
                     sums = load_sums(so_far, at // (2 * LANES))
