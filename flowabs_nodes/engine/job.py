@@ -36,7 +36,7 @@ class Job:
 
     @cached_property
     def graph(self) -> Graph:
-        """The graph, parsed once in each process."""
+        """Return the graph, parsed once in each process."""
         return graphs.load(self.document, self.catalogue)
 
     def __getstate__(self) -> dict[str, Any]:

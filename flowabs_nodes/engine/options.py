@@ -172,7 +172,7 @@ class RunOptions:
 
     @property
     def settings(self) -> Settings:
-        """The options that reading and writing a picture depend on."""
+        """Return the options that reading and writing a picture depend on."""
         return Settings(**{each.name: getattr(self, each.name) for each in fields(Settings)})
 
     def for_frames(self) -> RunOptions:

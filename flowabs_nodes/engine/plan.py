@@ -37,7 +37,7 @@ class Result(NamedTuple):
 
     @property
     def unit(self) -> Unit:
-        """The unit that computes this result."""
+        """Return the unit that computes this result."""
         return Unit(self.node, self.frame)
 
 

@@ -58,7 +58,7 @@ class Report:
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many frames are done, skipped and failed."""
+        """Return how many frames are done, skipped and failed."""
         counts = {"done": 0, "skipped": 0, "failed": 0}
         for frame in self.frames:
             counts[frame.status] += 1

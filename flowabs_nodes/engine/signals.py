@@ -18,7 +18,7 @@ class Stopped(KeyboardInterrupt):
 
     @property
     def exit_code(self) -> int:
-        """The exit code of a process that this signal stopped: 130 for SIGINT, 143 for SIGTERM."""
+        """Return the exit code of a process that this signal stopped: 130 for SIGINT, 143 for SIGTERM."""
         return 128 + self.number
 
 

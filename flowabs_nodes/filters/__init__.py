@@ -8,6 +8,8 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from flowabs_nodes.simd.compatible import misfit
+
 if TYPE_CHECKING:
     from flowabs_nodes.filters.compositing import composite
     from flowabs_nodes.filters.flow.etf import etf
@@ -79,7 +81,14 @@ _HOMES = {
 def __getattr__(name: str) -> Any:
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    function = getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
+    try:
+        module = importlib.import_module(f"{__name__}.{_HOMES[name]}")
+    except (ImportError, AttributeError, TypeError) as error:
+        wrong_numba = misfit(error)
+        if wrong_numba is None:
+            raise
+        raise wrong_numba from error
+    function = getattr(module, name)
     globals()[name] = function
     return function
 

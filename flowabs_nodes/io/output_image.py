@@ -49,7 +49,7 @@ class Picture:
 
     @property
     def plate_format(self) -> Format | None:
-        """The format of the file that the image was read from; None where it was not read from a file."""
+        """Return the format of the file that the image was read from; None where it was not read from a file."""
         return formats.by_extension(self.image.origin.file) if self.image.origin is not None else None
 
 

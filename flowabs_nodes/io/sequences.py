@@ -87,7 +87,7 @@ class Sequence:
 
     @cached_property
     def _parts(self) -> tuple[str, int, str] | None:
-        """The pattern as text before the number, the number's width, text after it; None for a single picture."""
+        """Return the text before the number, the number's width, and the text after it; None for a single picture."""
         folder, name = os.path.split(self.pattern)
         tokens = list(_TOKEN.finditer(name))
         if not tokens or self.literal:

@@ -15,6 +15,7 @@ import os
 import pickle
 import uuid
 import zlib
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -45,7 +46,7 @@ def kept(function: Callable[..., Any], **options: Any) -> Any:
     return dispatcher
 
 
-class KernelCache:
+class KernelCache(ABC):
     """What numba asks for the compiled code of one function, and gives it to. Never raises."""
 
     def __init__(self, function: Callable[..., Any], suffix: str = "") -> None:
@@ -55,7 +56,7 @@ class KernelCache:
 
     @property
     def cache_path(self) -> str:
-        """Where the kernel is looked for first."""
+        """Return the folder in which the kernel is looked for first, "" without one."""
         return next((str(place.folder) for place in cache_folder.places()), "")
 
     def load_overload(self, sig: Any, context: Any) -> Any:
@@ -81,26 +82,28 @@ class KernelCache:
         if (turn := self._turn(sig)) is not None:
             compile_turn.give(turn)
 
-    def enable(self) -> None:
-        """Always on."""
+    def enable(self) -> None:  # noqa: B027 - numba calls these three
+        """Do nothing: the cache is always on."""
 
-    def disable(self) -> None:
-        """Always on."""
+    def disable(self) -> None:  # noqa: B027
+        """Do nothing: the cache is always on."""
 
-    def flush(self) -> None:
-        """Nothing to forget: another version is another folder."""
+    def flush(self) -> None:  # noqa: B027
+        """Do nothing: another version is another folder."""
 
     def _turn(self, sig: Any) -> Path | None:
-        """The file whose lock says who compiles."""
+        """Return the file whose lock says who compiles a signature; None without a folder."""
         folder = cache_folder.writable(self._suffix)
         signature = hashlib.sha256(str(sig).encode()).hexdigest()[:8]
         return folder / f"{self.name}-{signature}.turn" if folder is not None else None
 
+    @abstractmethod
     def _load(self, sig: Any, context: Any) -> Any:
-        raise NotImplementedError
+        """Return the compiled kernel of a signature from disk; None if it is not there. Never raises."""
 
+    @abstractmethod
     def _save(self, sig: Any, compiled: Any) -> None:
-        raise NotImplementedError
+        """Write a compiled kernel to disk, if there is a folder; may raise anything."""
 
 
 class OneFileEach(KernelCache):

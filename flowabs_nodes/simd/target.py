@@ -30,7 +30,7 @@ def kernel_path() -> str:
 
 
 def _features() -> set[str]:
-    """What numba compiles for."""
+    """Return the processor features that numba compiles for."""
     told = os.environ.get("NUMBA_CPU_FEATURES")
     if told is not None:
         return {name[1:] for name in told.split(",") if name.startswith("+")}

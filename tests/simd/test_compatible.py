@@ -31,8 +31,6 @@ elif change == "what is only used while compiling is missing":
     del llvmlite.ir.IRBuilder.shuffle_vector
 elif change == "a call has changed":
     numba.extending.register_model = lambda: None
-from flowabs_nodes.cli import script
-script()
 """
 
 
@@ -49,11 +47,34 @@ def test_a_numba_that_does_not_fit_is_named_with_those_that_do(change, tmp_path)
     plate = ROOT / "docs" / "pictures" / "chelsea.png"
     run = ["run", "lines", "-i", str(plate), "-o", str(tmp_path / "lines.png")]
     use = {**os.environ, "PYTHONPATH": str(ROOT), "NUMBA_CACHE_DIR": str(tmp_path), "NUMBA_NUM_THREADS": "1"}
-    done = subprocess.run([sys.executable, "-c", CHANGED, change, *run], env=use, capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", CHANGED + "from flowabs_nodes.cli import script; script()", change, *run],
+        env=use,
+        capture_output=True,
+        text=True,
+    )
     assert done.returncode == 1
     assert "Traceback" not in done.stderr
     assert re.search(r"kernels cannot be built with numba [\d.]+ and llvmlite [\d.]+ \(", done.stderr)
     assert f"works with numba{compatible.NUMBA}" in done.stderr
+
+
+@pytest.mark.parametrize("change", ["a name is missing", "an attribute is missing", "a call has changed"])
+def test_so_it_is_for_who_asks_for_a_filter(change):
+    code = (
+        CHANGED
+        + """
+from flowabs_nodes import FlowabsError, filters
+try:
+    filters.etf
+except FlowabsError as error:
+    print(error)
+"""
+    )
+    use = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run([sys.executable, "-c", code, change], env=use, capture_output=True, text=True)
+    assert re.search(r"kernels cannot be built with numba [\d.]+ and llvmlite [\d.]+ \(", done.stdout), done.stderr
+    assert f"works with numba{compatible.NUMBA}" in done.stdout
 
 
 def test_an_error_from_elsewhere_is_not_numba_s():

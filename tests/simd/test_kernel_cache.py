@@ -412,7 +412,9 @@ time.sleep(600)
 def test_nobody_waits_for_ever(tmp_path, monkeypatch):
     monkeypatch.setattr(compile_turn, "PATIENCE", 0.05)
     monkeypatch.setattr(compile_turn, "_lock", lambda fd: False)
+    begin = time.monotonic()
     compile_turn.take(tmp_path / "a.turn")
+    assert 0.05 <= time.monotonic() - begin < 30
     compile_turn.give(tmp_path / "a.turn")
 
 
