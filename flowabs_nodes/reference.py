@@ -1,13 +1,15 @@
 """Writes what the documentation takes from the declarations: ``python -m flowabs_nodes.reference [FOLDER]``.
 
 ``nodes.md``, the node reference, and ``graph.schema.json``, the JSON Schema of the graph file, of the nodes that come
-with the package (not of what else is installed). A test says when they are old.
+with the package (not of what else is installed). Without FOLDER they go into ``docs`` of the checkout that this package
+is in, or, where it is installed, into the current folder. A test says when those of the checkout are old.
 """
 
 from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from flowabs_nodes.graph.schema import schema
@@ -33,11 +35,28 @@ def files() -> dict[str, str]:
     }
 
 
-def main(folder: Path) -> None:
-    """Write the files into ``folder``."""
-    for name, content in files().items():
-        (folder / name).write_text(content, encoding="utf-8")
+def folder() -> Path:
+    """Return ``docs`` of the checkout that this package is in; the current folder where it is in none."""
+    project = Path(__file__).resolve().parent.parent
+    return project / "docs" if (project / "pyproject.toml").is_file() else Path()
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Write the files into the folder that ``arguments`` name, which is made, and return the process's exit code."""
+    if len(arguments) > 1 or any(each.startswith("-") for each in arguments):
+        print("usage: python -m flowabs_nodes.reference [FOLDER]", file=sys.stderr)
+        return 2
+    into = Path(arguments[0]) if arguments else folder()
+    try:
+        into.mkdir(parents=True, exist_ok=True)
+        for name, content in files().items():
+            (into / name).write_text(content, encoding="utf-8")
+            print(into / name)
+    except OSError as error:
+        print(f"cannot write into {into}: {error.strerror}", file=sys.stderr)
+        return 2
+    return 0
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).resolve().parent.parent / "docs")
+    sys.exit(main(sys.argv[1:]))

@@ -18,7 +18,8 @@ import click
 
 import flowabs_nodes
 from flowabs_nodes.cli.check import check
-from flowabs_nodes.cli.listings import graphs, nodes, schema
+from flowabs_nodes.cli.graph_listing import graphs
+from flowabs_nodes.cli.listings import nodes, schema
 from flowabs_nodes.cli.run import run
 from flowabs_nodes.engine.error_boundary import InternalError
 from flowabs_nodes.engine.signals import Stopped, stop_on_signals

@@ -13,6 +13,7 @@ from flowabs_nodes.engine.options import PathLike, RunOptions
 from flowabs_nodes.engine.plan import file_role, make_plan, sinks
 from flowabs_nodes.engine.sources import file_of, reads_pictures
 from flowabs_nodes.errors import CommandError, ReadError, WriteError
+from flowabs_nodes.graph.missing_packages import refuse_missing_packages
 from flowabs_nodes.graph.model import Graph
 from flowabs_nodes.graph.overrides import override
 from flowabs_nodes.io import formats
@@ -30,6 +31,8 @@ def build_job(graph: Graph, options: RunOptions) -> tuple[Job, tuple[int, ...]]:
 
     Raises
     ------
+    GraphError
+        missing-package, where a node that is to run needs one that is not installed.
     CommandError
         The command cannot be carried out at all; nothing has been written then.
     ColorError
@@ -45,6 +48,7 @@ def build_job(graph: Graph, options: RunOptions) -> tuple[Job, tuple[int, ...]]:
         hint = "graph.run(...) gives its images in Python"
         raise CommandError("the graph has no write node", code="no-write", hint=hint)
     steps = make_plan(graph, 1, sinks=writes)
+    refuse_missing_packages(graph, {step.unit.node for step in steps})
     reads = [step.unit.node for step in steps if file_role(graph, step.unit.node) == "input"]
     with _as_command_errors():
         inputs = [Sequence.to_read(file_of(graph, name, values[name])) for name in reads]

@@ -19,6 +19,7 @@ from flowabs_nodes.engine.resize import scale_image
 from flowabs_nodes.engine.sources import Sources
 from flowabs_nodes.engine.unit_params import UnitParams
 from flowabs_nodes.errors import ArgumentError, CommandError
+from flowabs_nodes.graph.missing_packages import refuse_missing_packages
 from flowabs_nodes.graph.model import Graph
 from flowabs_nodes.image import Image
 from flowabs_nodes.io.settings import Settings
@@ -76,7 +77,7 @@ class RunnableGraph(Graph):
         Raises
         ------
         GraphError
-            Values in ``set`` are wrong.
+            Values in ``set`` are wrong, or a node that is to run needs a package that is not installed.
         CommandError
             A name does not exist (the nearest is told), or a file to read is not set and its image not given.
         ArgumentError
@@ -96,6 +97,7 @@ class RunnableGraph(Graph):
         found = Sources(graph, params, options)
         inputs_of = FrameWindows(graph, params, found, images).inputs_of
         steps = make_plan(graph, frame, results=wanted.values(), given=images, inputs_of=inputs_of)
+        refuse_missing_packages(graph, {step.unit.node for step in steps})
         sources = found.of_steps(steps)
         left_out = next((unit for unit, source in sources.items() if source.skip), None)
         if left_out is not None:

@@ -7,14 +7,17 @@ from typing import Any
 from flowabs_nodes.errors import FlowabsError
 
 
+#: What pip installs OpenCV with.
+EXTRA = "flowabs-nodes[compare]"
+
+
 def opencv(what: str) -> Any:
     """Return the module ``cv2``; raise FlowabsError if it is not installed, naming ``what`` needs it."""
     try:
         import cv2
     except ImportError as error:
+        found = "which is not installed" if error.name == "cv2" else f"which cannot be imported: {error}"
         raise FlowabsError(
-            f"{what} needs OpenCV, which is not installed",
-            code="missing-package",
-            hint="pip install flowabs-nodes[compare]",
+            f"{what} needs OpenCV, {found}", code="missing-package", hint=f"pip install '{EXTRA}'"
         ) from error
     return cv2

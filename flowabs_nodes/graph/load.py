@@ -9,6 +9,7 @@ from typing import Any
 
 from flowabs_nodes.errors import ArgumentError, CommandError
 from flowabs_nodes.graph.jsonable import jsonable
+from flowabs_nodes.graph.missing_packages import missing_packages
 from flowabs_nodes.graph.model import Graph
 from flowabs_nodes.graph.problems import GraphError, Problem, Problems
 from flowabs_nodes.graph.safe_json import MOST_BYTES, parse
@@ -46,8 +47,12 @@ def load(source: Source, catalogue: Mapping[str, Node] | None = None) -> Graph:
 
 
 def check(source: Source, catalogue: Mapping[str, Node] | None = None) -> list[Problem]:
-    """Return everything that is wrong with a graph, warnings included, where :func:`load` would raise GraphError."""
-    return _read(source, catalogue)[1]
+    """Return everything that is wrong with a graph, warnings included, where :func:`load` would raise GraphError.
+
+    A package that a node needs and that is not installed here is an error too, as for a run; such a graph still loads.
+    """
+    graph, problems, _ = _read(source, catalogue)
+    return problems if graph is None else [*missing_packages(graph.nodes.values()), *problems]
 
 
 def _read(source: Source, catalogue: Mapping[str, Node] | None) -> tuple[Graph | None, list[Problem], str]:

@@ -30,6 +30,7 @@ CODES = (
     "bad-value",
     "out-of-range",
     "cycle",
+    "missing-package",
     "unused-node",
     "unused-param",
     "unused-knob",

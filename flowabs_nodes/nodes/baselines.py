@@ -8,12 +8,16 @@ from typing import Any
 from flowabs_nodes import filters
 from flowabs_nodes.choices import BILATERAL_KERNELS, ORIENTED_KERNELS
 from flowabs_nodes.filters import halo
+from flowabs_nodes.filters.opencv import EXTRA
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.common_params import GROUND, SPACE
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
 from flowabs_nodes.nodes.lines import IMAGE, LINES
 from flowabs_nodes.nodes.regions import within
 from flowabs_nodes.nodes.smooth import FBL
+
+#: Of the nodes that call OpenCV.
+OPENCV = {"cv2": EXTRA}
 
 SMOOTH = Port("image", "color", "The picture to smooth.")
 SMOOTHED = Port("image", "color", "The smoothed picture.")
@@ -123,10 +127,9 @@ MEAN_SHIFT = Node(
     category="compare",
     help="Mean-shift segmentation: flat regions of like colour. What FBL is compared with.",
     doc=(
-        "What the paper compares FBL with in Fig. 21; needs the extra: pip install flowabs-nodes[compare]. OpenCV's "
-        "mean shift on 8-bit Lab; then connected regions of like colour join a neighbour where they are small, and "
-        "each becomes flat. HDR: what is above white or below black is clipped, and the log says how many pixels were. "
-        "Pixels whose A is above 0 count alike, whatever it is."
+        "What the paper compares FBL with in Fig. 21. OpenCV's mean shift on 8-bit Lab; then connected regions of like "
+        "colour join a neighbour where they are small, and each becomes flat. HDR: what is above white or below black "
+        "is clipped, and the log says how many pixels were. Pixels whose A is above 0 count alike, whatever it is."
     ),
     inputs=(SMOOTH,),
     outputs=(Port("image", "color", "The segmented picture."),),
@@ -163,6 +166,7 @@ MEAN_SHIFT = Node(
         ),
     ),
     run=run_mean_shift,
+    needs=OPENCV,
 )
 
 
@@ -178,7 +182,7 @@ CANNY = Node(
     category="compare",
     help="Canny's edges, one pixel wide: what FDoG is compared with.",
     doc=(
-        "Fig. 14b; needs the extra: pip install flowabs-nodes[compare]. OpenCV's, on the gradient that etf uses; low "
+        "Fig. 14b. OpenCV's, on the gradient that etf uses; low "
         "and high are parts of the frame's largest. HDR: nothing is clipped, but a bright highlight has the largest "
         "gradient and thins out all other lines, less so in acescct."
     ),
@@ -217,4 +221,5 @@ CANNY = Node(
         SPACE,
     ),
     run=run_canny,
+    needs=OPENCV,
 )

@@ -29,6 +29,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from importlib.util import find_spec
 from typing import Any
 
 from flowabs_nodes.choices import readable
@@ -118,6 +119,10 @@ class Node:
     asked for, must have the bits of the whole result. ``mask`` needs no word. :mod:`flowabs_nodes.nodes.regions` makes
     a ``region`` of a halo.
 
+    ``needs`` maps each top-level module that ``run`` imports and that may not be installed to what pip installs it with, such as
+    ``{"cv2": "flowabs-nodes[compare]"}``. Where one is missing, ``flowabs check`` says so, and a run is refused before
+    its first frame.
+
     Raises ArgumentError where ``type`` is no identifier, an input and a parameter share a name, or an ``enabled_when``
     is wrong: it takes enums and bools of the same node that are always enabled, and parameters that have a default.
     """
@@ -135,6 +140,7 @@ class Node:
     extra_inputs: Port | None = None
     frames: Callable[[Mapping[str, Any]], Mapping[str, tuple[int, ...]]] | None = field(default=None, hash=False)
     region: Callable[[Mapping[str, Any], Window], Mapping[str, Window]] | None = field(default=None, hash=False)
+    needs: Mapping[str, str] = field(default_factory=dict, hash=False)
     upgrades: Mapping[int, Callable[[dict[str, Any]], dict[str, Any]]] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
@@ -202,6 +208,10 @@ class Node:
     def file_param(self) -> Param | None:
         """Return the parameter that names the file of a node that reads or writes one; None for all other nodes."""
         return next((param for param in self.params if param.kind == "file"), None)
+
+    def missing(self) -> dict[str, str]:
+        """Return those of ``needs`` that are not installed: what pip installs each module with, by module."""
+        return {module: source for module, source in self.needs.items() if not find_spec(module)}
 
     def sections(self) -> dict[str, list[Param]]:
         """Return every parameter by its section of a panel, ``group``; the sections in order of their first one."""

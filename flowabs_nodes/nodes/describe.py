@@ -101,11 +101,12 @@ def _types(port: Port) -> str:
 
 
 def facts(node: Node) -> str:
-    """Say where a menu lists the node, and what it reads beside the pixels of its own window and frame."""
+    """Say where a menu lists the node, what it reads beside the pixels of its own window and frame, and needs."""
     said = [f"In menus under {CATEGORIES.label.get(node.category, node.category)}."]
     if node.inputs and node.outputs:
         part = "It can work on a part of the picture" if node.region else "It needs the whole picture"
         said.append(f"{part}{', and reads other frames' if node.frames else ''}.")
+    said += [f"It needs {module}: pip install '{source}'." for module, source in node.needs.items()]
     return " ".join(said)
 
 
