@@ -17,6 +17,7 @@ from typing import NoReturn
 import click
 
 import flowabs_nodes
+from flowabs_nodes.cli import shells
 from flowabs_nodes.cli.check import check
 from flowabs_nodes.cli.graph_listing import graphs
 from flowabs_nodes.cli.listings import nodes, schema
@@ -64,6 +65,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if hasattr(stream, "reconfigure"):
             # A file's name may be no text, and an old terminal has few letters.
             stream.reconfigure(errors="backslashreplace")
+    shells.register()
     try:
         with stop_on_signals():
             code = cli.main(arguments, prog_name="flowabs", standalone_mode=False)

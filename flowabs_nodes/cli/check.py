@@ -6,11 +6,12 @@ import json
 
 import click
 
+from flowabs_nodes.cli import completion
 from flowabs_nodes.cli.listings import warn_of_missing_nodes
 
 
 @click.command()
-@click.argument("graph")
+@click.argument("graph", shell_complete=completion.graphs)
 @click.option("--json", "as_json", is_flag=True, help="One JSON document: {ok, problems}.")
 def check(graph: str, as_json: bool) -> int:
     """Say everything that is wrong with a GRAPH, or "ok".

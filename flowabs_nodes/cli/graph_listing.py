@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from flowabs_nodes.cli import completion
 from flowabs_nodes.errors import CommandError, nearest
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("name", required=False)
+@click.argument("name", required=False, shell_complete=completion.shipped_graphs)
 @click.option("--json", "as_json", is_flag=True, help="One JSON document: name, file, description and knobs of each.")
 def graphs(name: str | None, as_json: bool) -> None:
     """The graphs that come with flowabs, and the knobs of each (set one with --set knob=value).
@@ -28,7 +29,9 @@ def graphs(name: str | None, as_json: bool) -> None:
 
     known = shipped() | paper()
     if name is not None and name not in known:
-        raise CommandError(f"no graph named {name!r} comes with flowabs", code="unknown-graph", hint=nearest(name, known))
+        raise CommandError(
+            f"no graph named {name!r} comes with flowabs", code="unknown-graph", hint=nearest(name, known)
+        )
     if as_json:
         entries = [_data(each, known[each]) for each in ([name] if name else known)]
         click.echo(json.dumps(entries[0] if name else entries, indent=2, ensure_ascii=False))

@@ -6,11 +6,12 @@ import json
 
 import click
 
+from flowabs_nodes.cli import completion
 from flowabs_nodes.errors import CommandError, nearest
 
 
 @click.command()
-@click.argument("type", required=False)
+@click.argument("type", required=False, shell_complete=completion.nodes)
 @click.option("--json", "as_json", is_flag=True, help="One JSON document: ports and parameters of each node.")
 def nodes(type: str | None, as_json: bool) -> None:
     """The nodes that are installed, or the page of one TYPE: ports, parameters, ranges."""

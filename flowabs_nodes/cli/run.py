@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from flowabs_nodes.cli import completion
 from flowabs_nodes.cli.listings import warn_of_missing_nodes
 from flowabs_nodes.engine.options import RunOptions, flag_of
 from flowabs_nodes.errors import FlowabsError
@@ -47,6 +48,7 @@ def _click_option(option: Field[Any]) -> click.Option:
         metavar=flag.metavar,
         show_default=flag.show_default,
         callback=_PARSERS.get(option.name),
+        shell_complete=completion.of_option(flag.metavar),
         help=flag.help,
     )
 
@@ -61,7 +63,7 @@ def _takes_run_options(command: click.Command) -> click.Command:
 
 @_takes_run_options
 @click.command()
-@click.argument("graph")
+@click.argument("graph", shell_complete=completion.graphs)
 @click.option("--json", "as_json", is_flag=True, help="One event a line on stdout.")
 @click.option("--profile", is_flag=True, help="Show the seconds that each node took.")
 def run(graph: str, as_json: bool, profile: bool, **options: Any) -> int:

@@ -6,7 +6,6 @@ from typing import Any
 
 from flowabs_nodes.errors import FlowabsError
 
-
 #: What pip installs OpenCV with.
 EXTRA = "flowabs-nodes[compare]"
 

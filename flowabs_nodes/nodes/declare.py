@@ -119,9 +119,9 @@ class Node:
     asked for, must have the bits of the whole result. ``mask`` needs no word. :mod:`flowabs_nodes.nodes.regions` makes
     a ``region`` of a halo.
 
-    ``needs`` maps each top-level module that ``run`` imports and that may not be installed to what pip installs it with, such as
-    ``{"cv2": "flowabs-nodes[compare]"}``. Where one is missing, ``flowabs check`` says so, and a run is refused before
-    its first frame.
+    ``needs`` maps each top-level module that ``run`` imports and that may not be installed to what pip installs it
+    with, such as ``{"cv2": "flowabs-nodes[compare]"}``. Where one is missing, ``flowabs check`` says so, and a run is
+    refused before its first frame.
 
     Raises ArgumentError where ``type`` is no identifier, an input and a parameter share a name, or an ``enabled_when``
     is wrong: it takes enums and bools of the same node that are always enabled, and parameters that have a default.

@@ -5,6 +5,9 @@ import json
 import jsonschema
 import pytest
 
+from flowabs_nodes.graph.shipped import paper, shipped
+from flowabs_nodes.nodes import catalogue
+
 
 def test_nodes(flowabs):
     code, out, _ = flowabs("nodes")
@@ -42,3 +45,57 @@ def test_nodes_that_could_not_be_loaded_are_named(flowabs, monkeypatch):
         code, _, err = flowabs(*command)
         assert code == 0
         assert "their-nodes: glow: ImportError: no" in err
+
+
+def test_nodes_for_programs(flowabs):
+    _, out, _ = flowabs("nodes", "--json")
+    listed = json.loads(out)
+    assert [node["type"] for node in listed] == list(catalogue())
+    code, out, _ = flowabs("nodes", "fdog@1", "--json")
+    fdog = json.loads(out)
+    assert (code, fdog) == (0, next(node for node in listed if node["type"] == "fdog"))
+    assert [port["name"] for port in fdog["inputs"]] == [port.name for port in catalogue()["fdog"].inputs]
+    (tau,) = [param for param in fdog["params"] if param["name"] == "tau"]
+    assert (tau["kind"], tau["default"], tau["min"], tau["max"]) == ("float", 0.5, 0, 1)
+    assert flowabs("nodes", "fdgo", "--json")[0] == 2
+
+
+def test_a_graphs_file_goes_to_stdout_as_it_is(flowabs, tmp_path):
+    for name, path in (shipped() | paper()).items():
+        code, out, err = flowabs("graphs", name)
+        assert (code, out, err) == (0, path.read_text(encoding="utf-8"), "")
+    (tmp_path / "my.json").write_text(flowabs("graphs", "lines")[1])
+    assert flowabs("check", tmp_path / "my.json")[:2] == (0, "ok\n")
+
+
+def test_on_a_terminal_it_also_says_what_to_do_with_it(flowabs, monkeypatch):
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
+    _, out, err = flowabs("graphs", "flat")
+    assert out.startswith("{")
+    assert "flowabs graphs flat > my.json" in err
+
+
+@pytest.mark.parametrize(("name", "hint"), [("abstracton", "'abstraction'"), ("fig7", "'fig07'")])
+def test_a_graph_that_is_not_there(flowabs, name, hint):
+    for arguments in ([name], [name, "--json"]):
+        code, out, err = flowabs("graphs", *arguments)
+        assert (code, out) == (2, "")
+        assert hint in err
+
+
+def test_graphs_for_programs(flowabs):
+    listed = json.loads(flowabs("graphs", "--json")[1])
+    assert [graph["name"] for graph in listed] == list(shipped() | paper())
+    assert [graph["name"] for graph in listed if graph["figure"]] == list(paper())
+    one = json.loads(flowabs("graphs", "abstraction", "--json")[1])
+    assert one in listed
+    assert one["knobs"][0] == {
+        "name": "line_width",
+        "type": "float",
+        "default": 1.0,
+        "min": 0.5,
+        "max": 2.5,
+        "unit": "px",
+        "choices": [],
+        "help": "Width of the ink.",
+    }

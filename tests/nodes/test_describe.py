@@ -180,6 +180,22 @@ def test_the_documentation_is_up_to_date():
         assert (DOCS / name).read_text(encoding="utf-8") == content, "run python -m flowabs_nodes.reference"
 
 
-def test_the_reference_is_written_where_it_is_asked_for(tmp_path):
-    reference.main(tmp_path)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["graph.schema.json", "nodes.md"]
+def test_the_reference_is_written_where_it_is_asked_for(tmp_path, capsys):
+    assert reference.main([str(tmp_path / "made")]) == 0
+    assert sorted(path.name for path in (tmp_path / "made").iterdir()) == ["graph.schema.json", "nodes.md"]
+    assert str(tmp_path / "made" / "nodes.md") in capsys.readouterr().out
+
+
+def test_in_a_checkout_the_reference_goes_into_docs_and_elsewhere_into_the_current_folder(monkeypatch, tmp_path):
+    assert reference.folder() == DOCS
+    monkeypatch.setattr(reference, "__file__", str(tmp_path / "site-packages" / "flowabs_nodes" / "reference.py"))
+    monkeypatch.chdir(tmp_path)
+    assert reference.main([]) == 0
+    assert (tmp_path / "nodes.md").read_text(encoding="utf-8") == reference.files()["nodes.md"]
+
+
+def test_a_reference_that_cannot_be_written_is_said_in_a_line(tmp_path, capsys):
+    (tmp_path / "file").touch()
+    for arguments in ([str(tmp_path / "file")], [str(tmp_path / "file" / "in")], ["--help"], ["a", "b"]):
+        assert reference.main(arguments) == 2
+        assert len(capsys.readouterr().err.splitlines()) == 1

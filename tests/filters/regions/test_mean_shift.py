@@ -135,7 +135,7 @@ def test_every_number_of_threads_gives_the_same_bits(each_thread_count):
 
 def test_without_opencv_the_error_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "cv2", None)
-    with pytest.raises(FlowabsError, match=r"mean_shift needs OpenCV.*pip install flowabs-nodes\[compare\]"):
+    with pytest.raises(FlowabsError, match=r"mean_shift needs OpenCV.*pip install 'flowabs-nodes\[compare\]'"):
         mean_shift(np.zeros((3, 3, 3)))
 
 
