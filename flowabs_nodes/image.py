@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio
 
-from flowabs_nodes import color, encodings, image_convert, image_state
+from flowabs_nodes import color, encodings, image_convert, image_preview, image_state
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.image_parts import Origin, PixelSource, Window, as_pixels, check_parts
@@ -122,12 +122,29 @@ class Image:
             f"display {display.width}x{display.height}{display.x:+d}{display.y:+d}, {','.join(self.channels)}>"
         )
 
+    def _repr_png_(self) -> bytes:
+        """Return a small picture of the image, which notebooks show: see :mod:`flowabs_nodes.image_preview`."""
+        return image_preview.png(self.pixels, pixel_type(self.type), self.colorspace)
+
     # ------------------------------------------------------------------ pixels and code values
 
     @property
     def pixels(self) -> Array:
         """Return (H, W, C) in the type's dtype, read-only; decoded where a filter left code values."""
         return self._source if isinstance(self._source, np.ndarray) else encodings.current().pixels(self)
+
+    def __array__(self, dtype: npt.DTypeLike | None = None, copy: bool | None = None) -> npt.NDArray[Any]:
+        """Return ``pixels``, (H, W, C), for ``np.asarray(image)``: read-only where they need no copy.
+
+        Raises ValueError, as NumPy does, where ``copy`` is False and another ``dtype`` needs one.
+        """
+        pixels = self.pixels
+        if copy is False and dtype is not None and np.dtype(dtype) != pixels.dtype:
+            raise ValueError(
+                f"the pixels are {pixels.dtype}: {np.dtype(dtype)} needs a copy, and copy=False forbids it"
+            )
+        wanted = pixels if dtype is None else pixels.astype(dtype, copy=False)
+        return wanted.copy() if copy and wanted is pixels else wanted
 
     @property
     def deferred(self) -> PixelSource | None:
@@ -257,11 +274,13 @@ class Image:
         Raises
         ------
         ArgumentError
-            Another shape or dtype; a uint8 or uint16 picture in a scene-linear space, where white would be 255 or 65535
-            times too bright: name the encoding, or divide.
+            Another shape or dtype; an Image; a uint8 or uint16 picture in a scene-linear space, where white would be
+            255 or 65535 times too bright: name the encoding, or divide; other whole numbers above 1.
         ColorError
             ``colorspace`` is no colour space.
         """
+        if isinstance(array, Image):
+            raise ArgumentError("array: expected numbers, found an Image, which needs no making", parameter="array")
         parts = image_convert.parts_of_array(array, type, channels)
         parts, space = image_convert.decoded(parts, np.asarray(array).dtype, colorspace)
         return cls(*parts, colorspace=space)

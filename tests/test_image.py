@@ -181,3 +181,32 @@ def test_a_picture_that_is_not_finite_is_refused_when_it_is_looked_at():
     for look in (image.encoded, image.encoded_mono, lambda: node("quantize", image)):
         with pytest.raises(Exception, match="found 1 that are NaN or Inf"):
             look()
+
+
+# ---------------------------------------------------------------------- as a NumPy array
+
+
+def test_numpy_takes_an_image_as_its_pixels():
+    image = picture(alpha=True)
+    assert np.asarray(image) is image.pixels
+    assert not np.asarray(image).flags.writeable
+    own = np.array(image)
+    own[...] = 0
+    assert image.pixels.any()
+    assert np.asarray(image, np.float64).dtype == np.float64
+    np.testing.assert_array_equal(image + np.zeros(1, np.float32), image.pixels)
+    np.testing.assert_allclose(np.mean(image), image.pixels.mean())
+
+
+def test_numpy_gets_no_copy_where_it_wants_none():
+    image = picture()
+    assert image.__array__(copy=False) is image.pixels
+    assert image.__array__(np.float32, copy=False) is image.pixels
+    assert image.__array__(np.float64, copy=True).flags.writeable
+    with pytest.raises(ValueError, match="needs a copy"):
+        image.__array__(np.float16, copy=False)
+
+
+def test_numpy_gets_the_pixels_that_a_filter_left_as_code_values():
+    image = picture()
+    np.testing.assert_array_equal(np.asarray(smoothed(image, "lab")), smoothed(image, "lab").pixels)

@@ -16,7 +16,7 @@ FLOORS = (
     ("simd",),
     ("sampling",),
     ("color", "filters"),
-    ("image", "image_convert", "image_parts", "image_state", "encodings", "port_types"),
+    ("image", "image_convert", "image_parts", "image_preview", "image_state", "encodings", "port_types"),
     ("io",),
     ("finishing",),
     ("nodes",),

@@ -34,6 +34,10 @@ class Job:
     options: RunOptions = field(default_factory=RunOptions)
     catalogue: Mapping[str, Node] | None = None
 
+    def __repr__(self) -> str:
+        files = ", ".join(file for files in self.outputs.values() for file in files)
+        return f"<Job {self.document.get('name', '')!r} -> {files}>"
+
     @cached_property
     def graph(self) -> Graph:
         """Return the graph, parsed once in each process."""

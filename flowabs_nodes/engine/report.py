@@ -45,6 +45,10 @@ class FrameReport:
     notes: tuple[Note, ...] = ()
     timings: Mapping[str, float] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        what = self.error.message.partition("\n")[0] if self.error else ", ".join(self.files)
+        return f"<FrameReport of frame {self.frame}: {self.status}, {self.seconds:.2f} s{': ' if what else ''}{what}>"
+
 
 @dataclass(frozen=True, slots=True)
 class Report:
@@ -55,6 +59,11 @@ class Report:
     seconds: float = 0.0
     notes: tuple[Note, ...] = ()
     profile: tuple[NodeTime, ...] | None = None
+
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{count} {status}" for status, count in self.counts.items())
+        frames = f"{len(self.frames)} frame{'' if len(self.frames) == 1 else 's'}"
+        return f"<Report of {frames}: {counts}, exit code {self.exit_code}, {self.seconds:.2f} s>"
 
     @property
     def counts(self) -> dict[str, int]:

@@ -10,10 +10,11 @@ from typing import Any
 
 from flowabs_nodes import graph as graphs
 from flowabs_nodes.engine.evaluate import Evaluation
-from flowabs_nodes.engine.frame_numbers import frame_number, whole_number
+from flowabs_nodes.engine.frame_numbers import frame_number
 from flowabs_nodes.engine.frame_windows import FrameWindows
+from flowabs_nodes.engine.given import Given, given_images
 from flowabs_nodes.engine.options import RunOptions
-from flowabs_nodes.engine.plan import Result, make_plan, named_result, sinks
+from flowabs_nodes.engine.plan import make_plan, named_result, sinks
 from flowabs_nodes.engine.report import Listener, Note, note_event
 from flowabs_nodes.engine.resize import scale_image
 from flowabs_nodes.engine.sources import Sources
@@ -26,9 +27,6 @@ from flowabs_nodes.io.settings import Settings
 
 #: A path, the name of a graph that comes with the package, its content as a dict, or one that is loaded.
 GraphSource = str | Path | Mapping[str, Any] | Graph
-
-#: Images that stand in for outputs, by the output's name: of the frame to run, or by frame number.
-Given = Mapping[str, Image | Mapping[int, Image]]
 
 log = logging.getLogger("flowabs")
 
@@ -57,6 +55,8 @@ class RunnableGraph(Graph):
             these outputs depend on, files included, is not touched. An image is that of ``frame``; for nodes that read
             other frames too, give a dict from frame number to Image: ``{"plate": {9: before, 10: image, 11: after}}``
             for frame 10. On frames that are not given, the output is not there.
+            An array stands for an Image: floats of scene-linear light, (H, W, 3) or premultiplied (H, W, 4), a matte
+            (H, W), or whatever the output's type is; and so does an OpenImageIO ImageBuf.
         set
             Values of knobs and parameters: ``{"line_width": 1.5, "lines.softness": 2}``. NumPy's numbers are numbers.
         outputs
@@ -81,15 +81,15 @@ class RunnableGraph(Graph):
         CommandError
             A name does not exist (the nearest is told), or a file to read is not set and its image not given.
         ArgumentError
-            ``frame`` is no whole number, ``scale`` is out of range, or something given is not an image of the output's
-            type.
+            ``frame`` is no whole number, ``scale`` is out of range, or something given is no image of the output's
+            type: an array of 8 or 16 bits among them, whose light nobody can tell.
         FlowabsError
             Whatever went wrong while computing, with node and frame.
         """
         frame = frame_number(frame)
         graph = self if set is None else self.with_set(set)
         options = RunOptions(scale=scale, **vars(settings or Settings()))
-        stand_ins = {} if given is None else _given_images(graph, given, frame)
+        stand_ins = {} if given is None else given_images(graph, given, frame)
         images = {result: scale_image(image, options.scale) for result, image in stand_ins.items()}
         names = _written_outputs(graph) if outputs is None else _output_names(outputs)
         wanted = {name: named_result(graph, name, frame) for name in names}
@@ -142,65 +142,6 @@ def _runnable(graph: Graph) -> RunnableGraph:
     if isinstance(graph, RunnableGraph):
         return graph
     return RunnableGraph(**{field.name: getattr(graph, field.name) for field in fields(graph)})
-
-
-def _given_images(graph: Graph, given: Given, frame: int) -> dict[Result, Image]:
-    """Return the images by the result they stand in for, each as a type that the output may have."""
-    if not isinstance(given, Mapping):
-        raise ArgumentError(
-            f'given: expected a dict such as {{"plate": image}}, found {type(given).__name__}',
-            code="wrong-type",
-            parameter="given",
-        )
-    images: dict[Result, Image] = {}
-    for name, what in given.items():
-        result = named_result(graph, name, frame)
-        if result in images:
-            raise ArgumentError(f"given[{name!r}]: this output is given twice", parameter="given")
-        if not isinstance(what, Mapping):
-            images[result] = _given_image(graph, result, what, f"given[{name!r}]")
-            continue
-        frames = {_given_frame(name, number): image for number, image in what.items()}
-        if frame not in frames:
-            found = ", ".join(map(str, frames)) or "none"
-            raise ArgumentError(
-                f"given[{name!r}]: expected an Image of frame {frame}, the one to run, among its frames, found {found}",
-                parameter="given",
-            )
-        for number, image in frames.items():
-            place = f"given[{name!r}][{number}]"
-            images[result._replace(frame=number)] = _given_image(graph, result, image, place)
-    return images
-
-
-def _given_frame(name: str, number: object) -> int:
-    """Return a key of ``given[name]`` as the frame number that it is; raise ArgumentError if it is none."""
-    frame = whole_number(number)
-    if frame is None:
-        raise ArgumentError(
-            f"given[{name!r}]: expected frame numbers, found {number!r}", code="wrong-type", parameter="given"
-        )
-    return frame
-
-
-def _given_image(graph: Graph, result: Result, image: Image, place: str) -> Image:
-    """Return an image that stands in for a result, as a type that the output may have; ``place`` is for errors."""
-    if not isinstance(image, Image):
-        raise ArgumentError(
-            f"{place}: expected an Image, found {type(image).__name__}",
-            code="wrong-type",
-            hint="Image.from_array and Image.from_imagebuf make one",
-            parameter="given",
-        )
-    port = graph.nodes[result.node].declaration.all_outputs[result.output]
-    kind = image.type if port.same_as else port.takes(image.type)
-    if kind is None:
-        raise ArgumentError(
-            f"{place}: expected {port.types.replace('|', ' or ')}, found {image.type}",
-            code="wrong-type",
-            parameter="given",
-        )
-    return image.as_type(kind)
 
 
 def _output_names(outputs: str | Iterable[str]) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from flowabs_nodes.graph.format import KnobType
-from flowabs_nodes.graph.problems import Problem
+from flowabs_nodes.graph.problems import Problem, shortened, show
 from flowabs_nodes.graph.reference_size import ReferenceSize
 from flowabs_nodes.graph.values import Value
 from flowabs_nodes.nodes.declare import Node, Param
@@ -41,6 +41,9 @@ class Knob:
     help: str = ""
     choices: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        return f"<Knob {self.name} = {show(self.default)}: {self.param.expected}>"
+
     @property
     def param(self) -> Param:
         """Return the knob as a parameter, whose :meth:`~Param.problem` judges the knob's values."""
@@ -64,6 +67,10 @@ class GraphNode:
     declaration: Node
     inputs: Mapping[str, Link] = field(default_factory=dict)
     params: Mapping[str, Value] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        links = ", ".join(f"{name}={link}" for name, link in self.inputs.items())
+        return f"<GraphNode {self.name}: {self.declaration.name}({shortened(links)})>"
 
 
 @dataclass(frozen=True)
@@ -97,6 +104,12 @@ class Graph:
     source: str = ""
     notes: tuple[str, ...] = ()
     warnings: tuple[Problem, ...] = ()
+
+    def __repr__(self) -> str:
+        knobs = ", ".join(f"{knob.name} {show(knob.default)}" for knob in self.interface.values())
+        count = f"{len(self.nodes)} node{'' if len(self.nodes) == 1 else 's'}"
+        source = f" of {self.source}" if self.source else ""
+        return f"<{type(self).__name__} {self.name!r}{source}: {count}, knobs: {shortened(knobs) or 'none'}>"
 
     def values(self, frame: int) -> dict[str, dict[str, Any]]:
         """Return every parameter of every node at a frame, as the node's function takes it (lengths not scaled).

@@ -168,8 +168,12 @@ def show(value: Any) -> str:
     if isinstance(value, list):
         whole = json.dumps(value) if len(value) <= 8 and _flat(value) else ""
         return whole if whole and len(whole) <= 80 else f"a list of {len(value)}"
-    text = json.dumps(value[:200] if isinstance(value, str) else value, ensure_ascii=False)
-    return text if len(text) <= 80 else text[:76] + " ..."
+    return shortened(json.dumps(value[:200] if isinstance(value, str) else value, ensure_ascii=False), 80)
+
+
+def shortened(text: str, most: int = 160) -> str:
+    """Return a text of at most ``most`` letters: a longer one is cut."""
+    return text if len(text) <= most else text[: most - 4] + " ..."
 
 
 def _flat(values: Iterable[Any]) -> bool:

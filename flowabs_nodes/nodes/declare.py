@@ -151,6 +151,10 @@ class Node:
         for param in self.params:
             self._check_condition(param)
 
+    def __repr__(self) -> str:
+        inputs = [*self.all_inputs, *(["..."] if self.extra_inputs else [])]
+        return f"<Node {self.name}({', '.join(inputs)}) -> {', '.join(self.all_outputs) or 'files'}: {self.help}>"
+
     def _check_condition(self, param: Param) -> None:
         """Raise ArgumentError unless ``param.enabled_when`` names switches of this node and values that they take."""
         owner = f"node {self.type!r}: enabled_when of {param.name!r}"

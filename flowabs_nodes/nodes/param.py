@@ -74,6 +74,10 @@ class Param:
         object.__setattr__(self, "label", self.label or readable(self.name))
         object.__setattr__(self, "animatable", self.animatable and self.numeric)
 
+    def __repr__(self) -> str:
+        default = "required" if self.required else f"default {self.default!r}"
+        return f"<Param {self.name}: {self.expected}; {default}>"
+
     @staticmethod
     def float(
         name: str,

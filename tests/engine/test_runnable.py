@@ -91,9 +91,9 @@ def a_flow():
         ({"outputs": ["out"]}, CommandError, "only writes"),
         ({"given": lambda: {"plat": picture()}}, CommandError, "did you mean 'plate'"),
         (
-            {"given": lambda: {"plate": np.ones((4, 4, 3))}},
+            {"given": lambda: {"plate": [[0.5, 0.5], [1, 1]]}},
             ArgumentError,
-            "expected an Image, found ndarray.*from_array",
+            "expected an Image or an array, found list.*from_array",
         ),
         (
             {"given": lambda: {"plate": Image.from_array(np.ones((4, 4, 2)))}},
