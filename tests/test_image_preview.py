@@ -17,7 +17,9 @@ def shown(tmp_path):
     def read(image):
         file = tmp_path / "shown.png"
         file.write_bytes(image._repr_png_())
-        buf = oiio.ImageBuf(str(file))
+        config = oiio.ImageSpec()
+        config["oiio:UnassociatedAlpha"] = 1  # as it is in the file
+        buf = oiio.ImageBuf(str(file), 0, 0, config)
         pixels = buf.get_pixels(oiio.UINT8)
         assert not buf.has_error, buf.geterror()
         return np.asarray(pixels).reshape(buf.spec().height, buf.spec().width, -1)
