@@ -4,6 +4,8 @@
 
     import flowabs_nodes as fa
 
+    drawn = fa.abstraction(rgb, line_width=1.5)  # one call: an array in, an array of the same kind out
+
     graph = fa.load_graph("abstraction")  # a path, a shipped name, or a dict
     out = graph.run(given={"plate": fa.Image.from_array(rgb)}, outputs=["comp"])
     report = fa.run("abstraction", input="shot.####.exr", output="out.####.exr", frames="1001-1100")
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
     from flowabs_nodes.engine.runnable import RunnableGraph, load_graph
     from flowabs_nodes.errors import FlowabsError
     from flowabs_nodes.image import Image
+    from flowabs_nodes.one_call import abstraction, abstraction_hdr, flat, inked, lines, portrait
 
 __version__ = "0.2.0"
 
@@ -31,6 +34,7 @@ _HOMES = {
     "Image": "image",
     "Report": "engine.report",
     "RunnableGraph": "engine.runnable",
+    **dict.fromkeys(("abstraction", "abstraction_hdr", "flat", "inked", "lines", "portrait"), "one_call"),
     "load_graph": "engine.runnable",
     "run": "engine.render_sequence",
 }
@@ -42,21 +46,29 @@ __all__ = [
     "Report",
     "RunnableGraph",
     "__version__",
+    "abstraction",
+    "abstraction_hdr",
     "color",
     "filters",
+    "flat",
+    "inked",
+    "lines",
     "load_graph",
+    "portrait",
     "run",
 ]
 
 
-def __getattr__(name: str) -> Any:
-    if name in _HOMES:
-        value = getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
-        globals()[name] = value
-        return value
-    if name in _MODULES:
-        return importlib.import_module(f"{__name__}.{name}")
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+if not TYPE_CHECKING:  # a type checker would take any name for Any
+
+    def __getattr__(name: str) -> Any:
+        if name in _HOMES:
+            value = getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
+            globals()[name] = value
+            return value
+        if name in _MODULES:
+            return importlib.import_module(f"{__name__}.{name}")
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:

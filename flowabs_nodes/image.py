@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -132,6 +132,12 @@ class Image:
     def pixels(self) -> Array:
         """Return (H, W, C) in the type's dtype, read-only; decoded where a filter left code values."""
         return self._source if isinstance(self._source, np.ndarray) else encodings.current().pixels(self)
+
+    @overload
+    def __array__(self, dtype: None = None, copy: bool | None = None) -> Array: ...
+
+    @overload
+    def __array__(self, dtype: npt.DTypeLike, copy: bool | None = None) -> npt.NDArray[Any]: ...
 
     def __array__(self, dtype: npt.DTypeLike | None = None, copy: bool | None = None) -> npt.NDArray[Any]:
         """Return ``pixels``, (H, W, C), for ``np.asarray(image)``: read-only where they need no copy.

@@ -16,13 +16,13 @@ FLOORS = (
     ("simd",),
     ("sampling",),
     ("color", "filters"),
-    ("image", "image_convert", "image_parts", "image_preview", "image_state", "encodings", "port_types"),
+    ("image", "array_kind", "image_convert", "image_parts", "image_preview", "image_state", "encodings", "port_types"),
     ("io",),
     ("finishing",),
     ("nodes",),
     ("graph",),
     ("engine",),
-    ("cli", "testing", "submit"),
+    ("cli", "testing", "submit", "one_call"),
     ("__main__", "reference"),
 )
 HEIGHT = {room: height for height, rooms in enumerate(FLOORS) for room in rooms}

@@ -78,19 +78,21 @@ _HOMES = {
 }
 
 
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    try:
-        module = importlib.import_module(f"{__name__}.{_HOMES[name]}")
-    except (ImportError, AttributeError, TypeError) as error:
-        wrong_numba = misfit(error)
-        if wrong_numba is None:
-            raise
-        raise wrong_numba from error
-    function = getattr(module, name)
-    globals()[name] = function
-    return function
+if not TYPE_CHECKING:  # a type checker would take any name for Any
+
+    def __getattr__(name: str) -> Any:
+        if name not in _HOMES:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        try:
+            module = importlib.import_module(f"{__name__}.{_HOMES[name]}")
+        except (ImportError, AttributeError, TypeError) as error:
+            wrong_numba = misfit(error)
+            if wrong_numba is None:
+                raise
+            raise wrong_numba from error
+        function = getattr(module, name)
+        globals()[name] = function
+        return function
 
 
 def __dir__() -> list[str]:
