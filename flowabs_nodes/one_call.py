@@ -86,7 +86,7 @@ def one_call(name: str) -> OneCall:
         if unknown is not None:
             known = [*graph.interface, "encoding"]
             raise ArgumentError(
-                f"{name} has no knob {unknown!r}", code="unknown-param", hint=nearest(unknown, known), parameter=unknown
+                f"{name} has no knob {unknown!r}", code="unknown-param", hint=nearest(unknown, known)
             )
         array, kind = array_and_kind(rgb, encoding, name)
         plate = next(node for node, found in graph.nodes.items() if found.declaration.type == "read")

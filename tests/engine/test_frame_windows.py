@@ -270,12 +270,12 @@ def test_given_frames_are_made_smaller_too(graph):
         ({}, "found none"),
         ({5: "image", "6": "image"}, "expected frame numbers, found '6'"),
         ({5: "image", True: "image"}, "found True"),
-        ({5: "image", 6: "array"}, r"given\['plate'\]\[6\]: expected an Image, found ndarray"),
+        ({5: "image", 6: "list"}, r"given\['plate'\]\[6\]: expected an Image or an array, found list"),
         ({5: "image", 6: "flow"}, r"given\['plate'\]\[6\]: expected color, found flow"),
     ],
 )
 def test_frames_that_cannot_be_given(graph, given, words):
-    things = {"image": grey(1), "array": np.ones((4, 6, 3)), "flow": Image.from_array(np.ones((4, 6, 2)))}
+    things = {"image": grey(1), "list": [[0.5, 0.5]], "flow": Image.from_array(np.ones((4, 6, 2)))}
     with pytest.raises(ArgumentError, match=words):
         graph.run(5, given={"plate": {frame: things[name] for frame, name in given.items()}})
 
