@@ -54,14 +54,12 @@ class FlowabsError(Exception):
         return self
 
     def __str__(self) -> str:
-        # A message may begin with a name itself: said once is enough.
-        node = "" if self.message.startswith(f"node {self.node!r} ") else self.node
-        parameter = "" if re.match(rf"{re.escape(str(self.parameter))}(?!\w)", self.message) else self.parameter
+        named = self.message.startswith((f"{self.parameter}:", f"{self.parameter}["))  # said once is enough
         place = [
             f"{self.file}" if self.file is not None else "",
             f"frame {self.frame}" if self.frame is not None else "",
-            f"node {node}" if node else "",
-            f"parameter {parameter}" if parameter else "",
+            f"node {self.node}" if self.node is not None else "",
+            f"parameter {self.parameter}" if self.parameter is not None and not named else "",
         ]
         text = ": ".join([*(part for part in place if part), self.message])
         return f"{text} ({self.hint})" if self.hint else text

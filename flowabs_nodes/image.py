@@ -281,7 +281,7 @@ class Image:
         ------
         ArgumentError
             Another shape or dtype; an Image; a uint8 or uint16 picture in a scene-linear space, where white would be
-            255 or 65535 times too bright: name the encoding, or divide; other whole numbers above 1.
+            255 or 65535 times too bright: name the encoding, or divide; other whole numbers above 8.
         ColorError
             ``colorspace`` is no colour space.
         """

@@ -70,7 +70,7 @@ def decoded(parts: Parts, stored: np.dtype[Any], colorspace: ColorSpace | str) -
                 + ("" if parts.type == "matte" else ', or colorspace="sRGB" for a picture as screens show it'),
                 parameter="array",
             )
-        if seen and parts.type != "mono" and stored.kind in "iu" and parts.pixels.max() > 1:
+        if seen and parts.type != "mono" and stored.kind in "iu" and parts.pixels.max() > 8:  # no light
             raise ArgumentError(
                 f"array: expected {parts.type} with white at 1, found {stored} up to {parts.pixels.max():g}",
                 hint='as uint8 or uint16, with colorspace="sRGB", it is decoded'

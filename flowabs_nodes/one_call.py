@@ -85,9 +85,7 @@ def one_call(name: str) -> OneCall:
         unknown = next((knob for knob in knobs if knob not in graph.interface), None)
         if unknown is not None:
             known = [*graph.interface, "encoding"]
-            raise ArgumentError(
-                f"{name} has no knob {unknown!r}", code="unknown-param", hint=nearest(unknown, known)
-            )
+            raise ArgumentError(f"{name} has no knob {unknown!r}", code="unknown-param", hint=nearest(unknown, known))
         array, kind = array_and_kind(rgb, encoding, name)
         plate = next(node for node, found in graph.nodes.items() if found.declaration.type == "read")
         drawn = _drawn(graph)
