@@ -5,6 +5,8 @@ In kernels they also stand for scratch memory (:func:`~flowabs_nodes.simd.memory
 
 from __future__ import annotations
 
+from typing import Any, Protocol
+
 import numpy as np
 import numpy.typing as npt
 
@@ -15,3 +17,10 @@ Int32 = npt.NDArray[np.int32]
 Int64 = npt.NDArray[np.int64]
 #: A flow in kernels: t.x + i t.y for each pixel.
 Complex64 = npt.NDArray[np.complex64]
+
+
+class HasArray(Protocol):
+    """A picture that NumPy can read: an array, or another library's, such as a tensor or a Pillow image."""
+
+    def __array__(self) -> npt.NDArray[Any]:
+        """Return the picture as an array."""

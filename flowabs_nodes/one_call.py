@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from flowabs_nodes.array_kind import array_and_kind
+from flowabs_nodes.array_types import HasArray
 from flowabs_nodes.engine.plan import sinks
 from flowabs_nodes.engine.runnable import RunnableGraph, load_graph
 from flowabs_nodes.errors import ArgumentError, nearest
@@ -19,16 +20,7 @@ from flowabs_nodes.errors import ArgumentError, nearest
 if TYPE_CHECKING:
     import OpenImageIO as oiio
 
-    from flowabs_nodes.image import Image
-
 Number = TypeVar("Number", np.uint8, np.uint16, np.float16, np.float32, np.float64)
-
-
-class ArrayLike(Protocol):
-    """A picture of another library, such as torch's or Pillow's, which NumPy can read."""
-
-    def __array__(self) -> npt.NDArray[Any]:
-        """Return the picture as an array."""
 
 
 class OneCall(Protocol):
@@ -41,7 +33,7 @@ class OneCall(Protocol):
 
     @overload
     def __call__(
-        self, rgb: ArrayLike | Image | oiio.ImageBuf, *, encoding: str | None = None, **knobs: float
+        self, rgb: HasArray | oiio.ImageBuf, *, encoding: str | None = None, **knobs: float
     ) -> npt.NDArray[np.generic]: ...
 
 

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import OpenImageIO as oiio
 
+from flowabs_nodes.array_types import HasArray
 from flowabs_nodes.engine.frame_numbers import whole_number
 from flowabs_nodes.engine.plan import Result, named_result
 from flowabs_nodes.errors import ArgumentError
@@ -18,7 +18,7 @@ from flowabs_nodes.nodes.declare import Port
 from flowabs_nodes.port_types import TYPES
 
 #: An image, or what one is made of: an array of scene-linear light, of a matte or of data, or an ImageBuf.
-Picture = Image | npt.NDArray[np.generic] | oiio.ImageBuf
+Picture = Image | HasArray | oiio.ImageBuf
 
 #: Images that stand in for outputs, by the output's name: of the frame to run, or by frame number.
 Given = Mapping[str, Picture | Mapping[int, Picture]]

@@ -32,7 +32,11 @@ log = logging.getLogger("flowabs")
 
 
 class RunnableGraph(Graph):
-    """A :class:`~flowabs_nodes.graph.model.Graph` with :meth:`run`."""
+    """Holds a valid graph, which nothing changes, and runs it on pictures in memory as often as is asked: :meth:`run`.
+
+    :func:`load_graph` makes one, :meth:`with_set` one with other values. ``interface`` has the knobs by name, ``nodes``
+    the nodes; :class:`~flowabs_nodes.graph.model.Graph` says what else there is.
+    """
 
     def run(
         self,
