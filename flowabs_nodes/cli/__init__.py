@@ -18,6 +18,7 @@ import click
 
 import flowabs_nodes
 from flowabs_nodes.cli.check import check
+from flowabs_nodes.cli.colorspaces import colorspaces
 from flowabs_nodes.cli.listings import graphs, nodes, schema
 from flowabs_nodes.cli.run import run
 from flowabs_nodes.engine.error_boundary import InternalError
@@ -50,7 +51,7 @@ def cli() -> None:
     """
 
 
-for command in (run, check, nodes, schema, graphs):
+for command in (run, check, nodes, schema, graphs, colorspaces):
     cli.add_command(command)
 
 

@@ -203,6 +203,11 @@ class Node:
         """Return the parameter that names the file of a node that reads or writes one; None for all other nodes."""
         return next((param for param in self.params if param.kind == "file"), None)
 
+    @property
+    def uses_config(self) -> bool:
+        """Return whether the result may depend on the OCIO config: the node reads or writes files, or names a space."""
+        return self.file_param is not None or any(param.colorspace is not None for param in self.params)
+
     def sections(self) -> dict[str, list[Param]]:
         """Return every parameter by its section of a panel, ``group``; the sections in order of their first one."""
         found: dict[str, list[Param]] = {}
