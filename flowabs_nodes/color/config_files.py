@@ -85,7 +85,7 @@ def display_names(path: str) -> frozenset[str]:
 
 def encodings(path: str) -> dict[str, str]:
     """Return the "encoding" that a config file gives to its colour spaces, by their names."""
-    found = {}
+    found: dict[str, str] = {}
     for space in _read_text(path).split("!<ColorSpace>")[1:]:
         name, encoding = (re.search(rf"\b{key}:[ \t]*" + _SCALAR, space) for key in ("name", "encoding"))
         if name and encoding:

@@ -10,7 +10,7 @@ from flowabs_nodes.color.config import Ocio
 from flowabs_nodes.color.encoding import Encoding
 from flowabs_nodes.color.named import Named, find
 from flowabs_nodes.color.spaces import KNOWN, ColorSpace, convert
-from flowabs_nodes.errors import ArgumentError
+from flowabs_nodes.errors import ArgumentError, ColorError
 
 
 def linearize(pixels: Array, name: str | Encoding, ocio: Ocio = None) -> tuple[Array, ColorSpace]:
@@ -102,8 +102,9 @@ def _refuse_overflow(what: str, before: Array, after: Array, hint: str) -> None:
 
     ``what`` says what was done to them.
     """
-    if after is before or np.isfinite(after.sum(dtype=np.float64)):
-        return
+    with np.errstate(invalid="ignore"):  # Inf - Inf
+        if after is before or np.isfinite(after.sum(dtype=np.float64)):
+            return
     bad = (~np.isfinite(after) & np.isfinite(before)).any(axis=2)
     if not bad.any():
         return

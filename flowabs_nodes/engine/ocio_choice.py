@@ -33,6 +33,5 @@ def choose_config(options: RunOptions) -> tuple[RunOptions, tuple[Note, ...]]:
         if not options.ocio:
             error.hint = f"it is what ${VARIABLE} says: give --ocio CONFIG, or unset it to use {PINNED}"
         raise
-    return replace(options, ocio=None if chosen == PINNED else chosen), (
-        Note(f"colour config {chosen}, from {source}"),
-    )
+    note = Note(f"colour config {chosen}, from {source}")
+    return replace(options, ocio=None if chosen == PINNED else chosen), (note,)
