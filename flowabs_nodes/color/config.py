@@ -120,13 +120,30 @@ def unreadable(name: str, why: str) -> ColorError:
 
 
 def has(name: str, ocio: Ocio = None) -> bool:
-    """Return whether the config knows a name, alias or role."""
-    return bool(config(ocio).getColorSpaceIndex(name) >= 0)
+    """Return whether the config knows a name, alias or role, in any case."""
+    found = opened(ocio)
+    if found.content:
+        return name.lower() in _declared(found)
+    return bool(config(found).getColorSpaceIndex(name) >= 0)
 
 
 def canonical(name: str, ocio: Ocio = None) -> str:
     """Return the config's own name for a space, alias or role."""
-    return str(config(ocio).resolve(name))
+    found = opened(ocio)
+    return _declared(found)[name.lower()] if found.content else str(config(found).resolve(name))
+
+
+@cache
+def _declared(opened: Config) -> dict[str, str]:
+    """Return every name, alias and role that a config declares, in lower case, and the space that it stands for.
+
+    OpenImageIO guesses more: that a space called sRGB is srgb_rec709_scene, or that one is ACEScg by another name.
+    """
+    found = config(opened)
+    spaces = [str(space) for space in found.getColorSpaceNames()]
+    meant = {str(role).lower(): str(found.getColorSpaceNameByRole(role)) for role in found.getRoles()}
+    meant |= {str(alias).lower(): space for space in spaces for alias in found.getAliases(space)}
+    return meant | {space.lower(): space for space in spaces}
 
 
 def names(ocio: Ocio = None) -> list[str]:
