@@ -76,6 +76,8 @@ def find(name: str, ocio: Ocio = None) -> Named:
     if not pinned:
         candidates += [each for each in config.names() if means_the_same_everywhere(each)]
     hint = config.hint(name, candidates) or nearest(name, KNOWN)
+    if not pinned and config.has(name):
+        hint = f"the built-in config has it: {config.PINNED}"
     raise ColorError(f"the OCIO config {own.name} has no colour space {name!r}", hint=hint)
 
 

@@ -11,6 +11,7 @@ import OpenImageIO as oiio
 
 from flowabs_nodes import color
 from flowabs_nodes.color import ColorSpace, named
+from flowabs_nodes.color.chromaticities import chromaticities_by_matrix
 from flowabs_nodes.color.config import opened
 from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.image import Image, Window
@@ -154,6 +155,8 @@ def color_tags(space: ColorSpace, ocio: str | None = None) -> dict[str, Any]:
     if known or not (space.name.startswith("chromaticities(") or misread(space.name, opened(ocio))):
         tags["colorInteropID"] = known or space.name
     chromaticities = color.chromaticities_of(space)
+    if chromaticities is None and opened(ocio).content:
+        chromaticities = chromaticities_by_matrix(space)  # nobody else knows the config
     return tags | ({"chromaticities": chromaticities} if chromaticities else {})
 
 

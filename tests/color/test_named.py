@@ -45,8 +45,9 @@ def test_its_own_names_go_before_ours(show):
 
 
 def test_a_camera_of_the_pinned_config_is_not_lent(show):
-    with pytest.raises(ColorError, match="has no colour space 'ARRI LogC4'"):
+    with pytest.raises(ColorError, match="has no colour space 'ARRI LogC4'") as caught:
         color.ocio.linearize(RGB, "ARRI LogC4", show)
+    assert caught.value.hint == f"the built-in config has it: {config.PINNED}"
 
 
 def test_between_its_spaces_and_ours(show):
