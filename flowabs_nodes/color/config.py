@@ -61,7 +61,7 @@ class Config:
     content: str
 
 
-Ocio = str | Config | None
+Ocio = str | os.PathLike[str] | Config | None
 
 _lock = threading.Lock()
 
@@ -70,7 +70,8 @@ def opened(ocio: Ocio = None) -> Config:
     """Return a config as it stands now. Raises ColorError where it is missing, unreadable or broken."""
     if isinstance(ocio, Config):
         return ocio
-    if not ocio or ocio == PINNED:
+    ocio = os.fspath(ocio) if ocio else PINNED
+    if ocio == PINNED:
         return Config(PINNED, PINNED, "")
     if ocio.startswith("ocio://"):
         found = Config(ocio, ocio, ocio)

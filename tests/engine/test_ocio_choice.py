@@ -1,18 +1,22 @@
 """Which OCIO config a run uses, and that frames are made again when its content changes, and only then."""
 
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import flowabs_nodes as fa
 from flowabs_nodes.color.config import PINNED
+from flowabs_nodes.engine.keys import node_key
 from flowabs_nodes.engine.ocio_choice import choose_config
 from flowabs_nodes.engine.options import RunOptions
 from flowabs_nodes.errors import ColorError
 from flowabs_nodes.graph import GraphError
+from flowabs_nodes.io.read import read_image
 from flowabs_nodes.io.settings import Settings
 from flowabs_nodes.io.write import stored_key
+from flowabs_nodes.nodes.declare import Node, Param, Port
 from tests.engine.sequences import document, pixels, plate, run, statuses
 from tests.studio import STUDIO, studio, table
 
@@ -210,3 +214,27 @@ def test_a_picture_that_becomes_infinite_by_the_space_it_is_written_in(name, tmp
     assert "steep" in error.message.split(",")[0]  # by the ICC profile made of it, where the file holds one
     assert "2 pixels become NaN or Inf, the first at x 3, y 2: 3e+38" in error.message
     assert not out.exists()
+
+
+def test_a_node_that_names_a_space_has_the_config_in_its_key():
+    port = Port("image", "color", "A picture.")
+    plain, naming = (
+        Node("look", 1, "A test's own.", (port,), (Port("image", "=image", "The result."),), (space,), lambda: None)
+        for space in (
+            Param.string("space", "aces", help="A word."),
+            Param.string("space", "aces", colorspace=(), help="A space."),
+        )
+    )
+    for declaration, differs in ((plain, False), (naming, True)):
+        first, second = (node_key(declaration, {"space": "a"}, {}, ocio=content) for content in ("", "content"))
+        assert (first != second) == differs
+    assert node_key(plain, {"space": "a"}, {}) == node_key(naming, {"space": "a"}, {})
+
+
+def test_a_path_is_a_name(tmp_path):
+    path = Path(studio(tmp_path / "show"))
+    report = run(plate(tmp_path / "in.exr"), tmp_path / "out.exr", graph=graph(), ocio=path)
+    assert statuses(report) == [(1, "done")]
+    assert read_image(tmp_path / "in.exr", colorspace="show_lin", settings=Settings(ocio=path)).colorspace.name == (
+        "lin_ap1_scene"
+    )

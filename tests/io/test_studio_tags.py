@@ -1,4 +1,4 @@
-"""Tags of files that were read and written with a studio's config say what the pixels are, to readers without it too."""
+"""Tags of files that a studio's config was used for say what the pixels are, to readers without it too."""
 
 import numpy as np
 import OpenEXR
