@@ -104,6 +104,8 @@ def config(ocio: Ocio = None) -> Any:
 @cache
 def _parsed(opened: Config) -> Any:
     """Parse a config."""
+    if oiio.VERSION < 30100 and config_files.is_archive(opened.path):  # it ends the process
+        raise unreadable(opened.name, "OpenImageIO 3.0 reads no archives; 3.1 does")
     found = oiio.ColorConfig(opened.path)
     problem = said(found.geterror)
     if problem or found.configname() == "built-in":
@@ -183,7 +185,10 @@ def is_data(name: str, ocio: Ocio = None) -> bool:
     found = config(ocio)
     if hasattr(found, "isData"):
         return bool(found.isData(name))
-    theirs, _ = reference(ocio)  # OpenImageIO 3.0 does not tell: data is what no conversion changes
+    path = opened(ocio).path
+    if os.path.isfile(path):  # OpenImageIO 3.0 does not tell
+        return config_files.said_of_spaces(path, "isdata").get(name, "").lower() in ("true", "yes")
+    theirs, _ = reference(ocio)  # of a built-in config: data is what no conversion changes
     probes = np.eye(3, dtype=np.float32)[None]
     return name != theirs and np.allclose(convert(probes, name, theirs, ocio), probes, atol=1e-6)
 

@@ -83,14 +83,19 @@ def display_names(path: str) -> frozenset[str]:
     return frozenset(reading for each in names for reading in _readings(each))
 
 
-def encodings(path: str) -> dict[str, str]:
-    """Return the "encoding" that a config file gives to its colour spaces, by their names."""
+def said_of_spaces(path: str, key: str) -> dict[str, str]:
+    """Return what a config file says of its colour spaces by a key, such as "encoding" or "isdata", by their names."""
     found: dict[str, str] = {}
     for space in _read_text(path).split("!<ColorSpace>")[1:]:
-        name, encoding = (re.search(rf"\b{key}:[ \t]*" + _SCALAR, space) for key in ("name", "encoding"))
-        if name and encoding:
-            found |= dict.fromkeys(_readings(name.groups("")), _readings(encoding.groups(""))[0])
+        name, said = (re.search(rf"\b{each}:[ \t]*" + _SCALAR, space) for each in ("name", key))
+        if name and said:
+            found |= dict.fromkeys(_readings(name.groups("")), _readings(said.groups(""))[0])
     return found
+
+
+def is_archive(path: str) -> bool:
+    """Return whether a config is an archive, .ocioz, that holds its tables itself."""
+    return os.path.isfile(path) and not _is_text(path)
 
 
 def _is_text(path: str) -> bool:

@@ -46,13 +46,13 @@ def described(name: str, ocio: Ocio = None) -> dict[str, Any]:
     found = config.config(own)
     aliases = [str(alias) for alias in found.getAliases(name)]
     is_linear = getattr(found, "isColorSpaceLinear", None)
-    display = name in config_files.display_names(own.name) or any(each.endswith("_display") for each in aliases)
+    display = name in config_files.display_names(own.path) or any(each.endswith("_display") for each in aliases)
     linear = None if is_linear is None else bool(is_linear(name)) and not display
     said = "data" if config.is_data(name, own) else "scene-linear" if linear else ""
     return {
         "name": name,
         "family": str(found.getColorSpaceFamilyByName(name) or ""),
-        "encoding": config_files.encodings(own.name).get(name) or said,
+        "encoding": config_files.said_of_spaces(own.path, "encoding").get(name) or said,
         "aliases": aliases,
         "scene_linear": linear,
     }

@@ -4,6 +4,7 @@ import os
 import zipfile
 
 import numpy as np
+import OpenImageIO as oiio
 import pytest
 
 from flowabs_nodes import color
@@ -137,6 +138,7 @@ def test_variables_count_where_they_are_used(tmp_path, monkeypatch):
     assert content(path) != before
 
 
+@pytest.mark.skipif(oiio.VERSION < 30100, reason="OpenImageIO 3.0 ends the process")
 def test_an_archive_holds_its_tables(tmp_path):
     studio(tmp_path)
     path = tmp_path / "show.ocioz"

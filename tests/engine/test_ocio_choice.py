@@ -204,15 +204,14 @@ def test_a_plate_that_becomes_infinite_by_its_space(space, tmp_path):
 
 @pytest.mark.parametrize("name", ["out.exr", "out.png", "out.tif"])
 def test_a_picture_that_becomes_infinite_by_the_space_it_is_written_in(name, tmp_path):
-    space = "  - !<ColorSpace>\n    name: steep\n    from_scene_reference: !<ExponentTransform> {value: 2}\n"
-    config = studio(tmp_path / "show", text=STUDIO + space)
     out = tmp_path / name
-    report = run(huge(tmp_path, 3e38), out, graph=graph("lin_rec709", "steep"), set={"stops": 0}, ocio=config)
+    source = huge(tmp_path, (3e38, -3e38, 0))
+    report = run(source, out, graph=graph("lin_rec709", "lin_p3d65_scene"), set={"stops": 0})
     error = report.frames[0].error
     assert report.exit_code == 1
     assert (error.node, error.file, error.code) == ("out", str(out), "non-finite")
-    assert "steep" in error.message.split(",")[0]  # by the ICC profile made of it, where the file holds one
-    assert "2 pixels become NaN or Inf, the first at x 3, y 2: 3e+38" in error.message
+    assert "lin_p3d65_scene" in error.message.split(",")[0]  # by the ICC profile made of it, where the file holds one
+    assert "2 pixels become NaN or Inf, the first at x 3, y 2: 3e+38 -3e+38 0" in error.message
     assert not out.exists()
 
 
