@@ -12,7 +12,7 @@ PACKAGE = "flowabs_nodes"
 
 #: The floors of the house, the lowest first. The rooms of one line stand side by side.
 FLOORS = (
-    ("errors", "choices", "array_types"),
+    ("errors", "choices", "array_types", "file_hash"),
     ("simd",),
     ("sampling",),
     ("color", "filters"),

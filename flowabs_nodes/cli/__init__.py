@@ -19,6 +19,7 @@ import click
 import flowabs_nodes
 from flowabs_nodes.cli import shells
 from flowabs_nodes.cli.check import check
+from flowabs_nodes.cli.colorspaces import colorspaces
 from flowabs_nodes.cli.graph_listing import graphs
 from flowabs_nodes.cli.listings import nodes, schema
 from flowabs_nodes.cli.run import run
@@ -52,7 +53,7 @@ def cli() -> None:
     """
 
 
-for command in (run, check, nodes, schema, graphs):
+for command in (run, check, nodes, schema, graphs, colorspaces):
     cli.add_command(command)
 
 

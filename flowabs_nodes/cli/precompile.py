@@ -117,7 +117,7 @@ def run_small(
             given[f"{each.node}.{each.output}"] = _picture("color" if port.same_as else port.types.split("|")[0])
         outputs = [f"{step.unit.node}.{name}" for name in step.wanted]
         with suppress(FlowabsError):  # the run itself says what is wrong
-            for image in loaded.run(given=given, outputs=outputs).values():
+            for image in loaded.run(given=given, outputs=outputs, on_event=lambda event: None).values():
                 _ = image.pixels
 
 

@@ -62,6 +62,22 @@ def chromaticities_of(colorspace: ColorSpace) -> tuple[float, ...] | None:
     return None
 
 
+def chromaticities_by_matrix(colorspace: ColorSpace) -> tuple[float, ...] | None:
+    """Return what :func:`chromaticities_of` returns, from the matrix of any space; None where they are not the space.
+
+    They are those after the white was adapted, if a config adapted it: the same colours by other numbers.
+    """
+    matrix = np.array(colorspace.to_xyz).reshape(3, 3)
+    columns = np.column_stack([matrix, matrix.sum(axis=1)])
+    with np.errstate(all="ignore"):
+        pairs = (columns[:2] / columns.sum(axis=0)).T
+    try:
+        same = space_from_chromaticities(*pairs.tolist())
+    except ColorError:
+        return None
+    return tuple(pairs.ravel().tolist()) if np.allclose(same.to_xyz, colorspace.to_xyz, atol=1e-3) else None
+
+
 def _primary_matrix(values: tuple[float, ...]) -> Matrix:
     """Return the matrix from RGB to XYZ: the primaries' x, y, z as columns, scaled to sum to the white of Y = 1."""
     x, y = np.array(values[0::2]), np.array(values[1::2])

@@ -9,7 +9,7 @@ import OpenImageIO as oiio
 
 from flowabs_nodes.color.chromaticities import space_from_chromaticities
 from flowabs_nodes.color.cicp import read_cicp
-from flowabs_nodes.color.config import config
+from flowabs_nodes.color.config import Ocio, opened
 from flowabs_nodes.color.encoding import Encoding, Transfer
 from flowabs_nodes.color.icc import read_profile
 from flowabs_nodes.color.lookup import space
@@ -59,7 +59,7 @@ class Detected(NamedTuple):
 def detect(
     spec: oiio.ImageSpec,
     given: ColorSpace | str = "auto",
-    ocio: str | None = None,
+    ocio: Ocio = None,
     default: ColorSpace | str = "lin_rec709",
     *,
     display_referred: bool = False,
@@ -90,7 +90,7 @@ def detect(
         header: a tag or chromaticities that mean nothing are passed over, and ``how`` says so.
     """
     if ocio is not None:
-        config(ocio)
+        ocio = opened(ocio)
     fallback = space(default, ocio)
     if isinstance(given, ColorSpace):
         return Detected(given, f"{said_by}: {given}")
@@ -116,7 +116,7 @@ def forget(spec: oiio.ImageSpec) -> None:
 
 
 def _tagged(
-    spec: oiio.ImageSpec, tags: tuple[str, ...], fallback: ColorSpace, ocio: str | None, passed_over: list[str]
+    spec: oiio.ImageSpec, tags: tuple[str, ...], fallback: ColorSpace, ocio: Ocio, passed_over: list[str]
 ) -> Detected | None:
     """Return what the first of these tags says that means something; the others are ``passed_over``, for the log."""
     for tag in tags:
@@ -127,7 +127,7 @@ def _tagged(
         try:
             return _named(name, tag, fallback, ocio)
         except ColorError as error:
-            if error.code == "bad-ocio-config":
+            if error.code in ("bad-ocio-config", "no-interchange", "bad-conversion"):
                 raise
             passed_over.append(f"{tag} {name[:60]!r} means nothing here")
     return None
@@ -179,7 +179,7 @@ def _encoded(found: Encoding, display_referred: bool) -> Detected:
     return Detected(found.space, f"{found.name}, brought to {found.space}", found)
 
 
-def _named(name: str, source: str, fallback: ColorSpace, ocio: str | None) -> Detected:
+def _named(name: str, source: str, fallback: ColorSpace, ocio: Ocio) -> Detected:
     """Return the space called ``name``, which was found in ``source`` (for the log); ``fallback`` for data."""
     found = find(name, ocio)
     if found.kind == "linear":

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from flowabs_nodes.color.spaces import KNOWN, STANDARD, ColorSpace, known
 from flowabs_nodes.errors import ColorError, nearest
 
+if TYPE_CHECKING:
+    from flowabs_nodes.color.config import Ocio
 
-def space(value: ColorSpace | str, ocio: str | None = None) -> ColorSpace:
+
+def space(value: ColorSpace | str, ocio: Ocio = None) -> ColorSpace:
     """Return the scene-linear space of a name.
 
     Parameters

@@ -6,13 +6,14 @@ import numpy as np
 
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.color import cineon, config, srgb
+from flowabs_nodes.color.config import Ocio
 from flowabs_nodes.color.encoding import Encoding
-from flowabs_nodes.color.named import find
+from flowabs_nodes.color.named import Named, find
 from flowabs_nodes.color.spaces import KNOWN, ColorSpace, convert
-from flowabs_nodes.errors import ArgumentError
+from flowabs_nodes.errors import ArgumentError, ColorError
 
 
-def linearize(pixels: Array, name: str | Encoding, ocio: str | None = None) -> tuple[Array, ColorSpace]:
+def linearize(pixels: Array, name: str | Encoding, ocio: Ocio = None) -> tuple[Array, ColorSpace]:
     """Decode pixels of an encoding to scene-linear.
 
     Parameters
@@ -34,23 +35,36 @@ def linearize(pixels: Array, name: str | Encoding, ocio: str | None = None) -> t
     Raises
     ------
     ColorError
-        If there is no such name, or the config cannot be read.
+        If there is no such name, the config cannot be read, or finite pixels become NaN or Inf (code "non-finite").
     """
-    rgb, alpha = _split(pixels)
+    codes, alpha = _split(pixels)
     if isinstance(name, Encoding):
-        return _joined(name.linear(rgb), alpha), name.space
-    found = find(name, ocio)
-    if found.kind == "srgb":
-        rgb = srgb.linear(rgb)
-    elif found.kind == "cineon":
-        rgb = cineon.linear(rgb)
-    elif found.kind == "encoded":
-        theirs, ours = config.reference(ocio)
-        rgb = convert(config.convert(rgb, found.name, theirs, ocio), KNOWN[ours], found.space)
-    return _joined(rgb, alpha), found.space
+        with np.errstate(all="ignore"):
+            rgb, space = name.linear(codes), name.space
+    else:
+        found = find(name, ocio)
+        space = found.space
+        with np.errstate(all="ignore"):
+            rgb = _linear(codes, found)
+    _refuse_overflow(f"decoded from {str(name)!r}", codes, rgb, "its pixels are no codes of that space")
+    return _joined(rgb, alpha), space
 
 
-def encode_named(rgb: Array, colorspace: ColorSpace, name: str | Encoding, ocio: str | None = None) -> Array:
+def _linear(codes: Array, found: Named) -> Array:
+    """Decode (H, W, 3) pixels of a name to its scene-linear space."""
+    match found.kind:
+        case "srgb":
+            return srgb.linear(codes)
+        case "cineon":
+            return cineon.linear(codes)
+        case "encoded":
+            rgb, ours = config.to_known(codes, found.name, found.config)
+            return convert(rgb, KNOWN[ours], found.space)
+        case _:
+            return codes
+
+
+def encode_named(rgb: Array, colorspace: ColorSpace, name: str | Encoding, ocio: Ocio = None) -> Array:
     """Encode scene-linear pixels of ``colorspace`` as the encoding ``name``: the inverse of :func:`linearize`.
 
     ``rgb`` is (H, W, 3 or 4) float32, not premultiplied, and the result has the same shape. A linear name only changes
@@ -58,21 +72,51 @@ def encode_named(rgb: Array, colorspace: ColorSpace, name: str | Encoding, ocio:
     :func:`linearize` does.
     """
     linear, alpha = _split(rgb)
-    if isinstance(name, Encoding):
-        return _joined(name.encoded(convert(linear, colorspace, name.space)), alpha)
-    found = find(name, ocio)
-    if found.kind == "data":
-        return _joined(linear, alpha)
-    if found.kind == "encoded":
-        theirs, ours = config.reference(ocio)
-        encoded = config.convert(convert(linear, colorspace, KNOWN[ours]), theirs, found.name, ocio)
-    else:
-        encoded = convert(linear, colorspace, found.space)
-        if found.kind == "srgb":
-            encoded = srgb.encoded(encoded)
-        elif found.kind == "cineon":
-            encoded = cineon.encoded(encoded)
+    with np.errstate(all="ignore"):
+        if isinstance(name, Encoding):
+            encoded = name.encoded(convert(linear, colorspace, name.space))
+        else:
+            encoded = _encoded(linear, colorspace, find(name, ocio))
+    _refuse_overflow(f"encoded as {str(name)!r}", linear, encoded, "that space cannot hold them")
     return _joined(encoded, alpha)
+
+
+def _encoded(linear: Array, colorspace: ColorSpace, found: Named) -> Array:
+    """Encode (H, W, 3) scene-linear pixels of ``colorspace`` as a name's."""
+    match found.kind:
+        case "data":
+            return linear
+        case "encoded":
+            ours = config.known_of(found.name, found.config)
+            return config.from_known(convert(linear, colorspace, KNOWN[ours]), found.name, found.config)
+        case "srgb":
+            return srgb.encoded(convert(linear, colorspace, found.space))
+        case "cineon":
+            return cineon.encoded(convert(linear, colorspace, found.space))
+        case _:
+            return convert(linear, colorspace, found.space)
+
+
+def _refuse_overflow(what: str, before: Array, after: Array, hint: str) -> None:
+    """Raise ColorError where finite pixels (H, W, 3) became NaN or Inf: how many, and the first one's place and value.
+
+    ``what`` says what was done to them.
+    """
+    with np.errstate(invalid="ignore"):  # Inf - Inf
+        if after is before or np.isfinite(after.sum(dtype=np.float64)):
+            return
+    bad = (~np.isfinite(after) & np.isfinite(before)).any(axis=2)
+    if not bad.any():
+        return
+    y, x = np.argwhere(bad)[0]
+    first = " ".join(f"{number:.6g}" for number in before[y, x])
+    count = int(bad.sum())
+    raise ColorError(
+        f"{what}, {count} {'pixel becomes' if count == 1 else 'pixels become'} NaN or Inf, "
+        f"the first at x {x}, y {y}: {first}",
+        code="non-finite",
+        hint=hint,
+    )
 
 
 def _split(pixels: Array) -> tuple[Array, Array | None]:

@@ -6,7 +6,8 @@ import os
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 
-from flowabs_nodes.color.config import config
+from flowabs_nodes.color.config import opened
+from flowabs_nodes.engine.color_names import wrong_names
 from flowabs_nodes.engine.frame_numbers import frame_numbers
 from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.options import PathLike, RunOptions
@@ -16,6 +17,7 @@ from flowabs_nodes.errors import CommandError, ReadError, WriteError
 from flowabs_nodes.graph.missing_packages import refuse_missing_packages
 from flowabs_nodes.graph.model import Graph
 from flowabs_nodes.graph.overrides import override
+from flowabs_nodes.graph.problems import GraphError
 from flowabs_nodes.io import formats
 from flowabs_nodes.io.frame_lock import check_writable
 from flowabs_nodes.io.sequences import Sequence
@@ -37,10 +39,11 @@ def build_job(graph: Graph, options: RunOptions) -> tuple[Job, tuple[int, ...]]:
         The command cannot be carried out at all; nothing has been written then.
     ColorError
         The OCIO config cannot be read.
+    GraphError
+        It does not know the name of a colour space.
     """
     settings = options.settings
-    if settings.ocio is not None:
-        config(settings.ocio)
+    config = opened(settings.ocio)
     graph, further = _set_files(graph, options)
     values = graph.values(1)
     writes = sinks(graph)
@@ -49,6 +52,9 @@ def build_job(graph: Graph, options: RunOptions) -> tuple[Job, tuple[int, ...]]:
         raise CommandError("the graph has no write node", code="no-write", hint=hint)
     steps = make_plan(graph, 1, sinks=writes)
     refuse_missing_packages(graph, {step.unit.node for step in steps})
+    wrong = wrong_names(graph, config, {step.unit.node for step in steps})
+    if wrong:
+        raise GraphError(wrong, file=graph.source or None)
     reads = [step.unit.node for step in steps if file_role(graph, step.unit.node) == "input"]
     with _as_command_errors():
         inputs = [Sequence.to_read(file_of(graph, name, values[name])) for name in reads]

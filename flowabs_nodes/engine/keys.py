@@ -49,7 +49,7 @@ def unit_keys(
     given
         The keys of results that come from outside (:func:`image_key`).
     ocio
-        What the OpenColorIO config in use is called or contains; "" for the one that is built in.
+        The content of the OCIO config (:attr:`flowabs_nodes.color.config.Config.content`); "" for the pinned one.
     """
     keys: dict[Unit, str] = {}
 
@@ -105,7 +105,7 @@ def node_key(
             "content": content,
             "lengths": [_exact(size), _exact(scale)] if has_lengths(declaration) else None,
             "scale": _exact(scale) if touches_files else None,
-            "ocio": ocio if touches_files else "",
+            "ocio": ocio if declaration.uses_config else "",
         }
     )
 

@@ -96,7 +96,8 @@ class RunOptions:
     max_pixels
         The most pixels that a frame may have; a larger one is refused.
     ocio
-        An OpenColorIO config (a path, or "ocio://...") instead of the built-in one.
+        An OpenColorIO config (a path, or "ocio://..."). Without it, what ``$OCIO`` says when the run begins, else the
+        built-in one.
 
     Raises
     ------
@@ -152,7 +153,8 @@ class RunOptions:
         default=Settings.max_pixels, metadata=_flag("Refuse larger pictures.", metavar="N", type=int, min=1)
     )
     ocio: str | None = field(
-        default=None, metadata=_flag("An OpenColorIO config instead of the built-in one.", metavar="CONFIG")
+        default=None,
+        metadata=_flag("An OpenColorIO config. Without it: $OCIO, else the built-in one.", metavar="CONFIG"),
     )
 
     def __post_init__(self) -> None:

@@ -9,6 +9,7 @@ import traceback
 from contextlib import ExitStack
 from typing import Any
 
+from flowabs_nodes.color.config import opened
 from flowabs_nodes.engine.carry_over import CarryOver
 from flowabs_nodes.engine.error_boundary import error_boundary
 from flowabs_nodes.engine.evaluate import Evaluation
@@ -22,7 +23,6 @@ from flowabs_nodes.engine.sources import Sources, source_contents
 from flowabs_nodes.engine.unit_params import UnitParams
 from flowabs_nodes.errors import FlowabsError, WriteError
 from flowabs_nodes.io.frame_lock import Claim, claim
-from flowabs_nodes.io.hashing import content_hash
 from flowabs_nodes.io.sequences import Sequence
 from flowabs_nodes.io.settings import checked
 from flowabs_nodes.io.write import is_whole, save, stored_key
@@ -76,7 +76,7 @@ def _render(
 
     evaluation = Evaluation(graph, params, sources, options, notes=notes, timings=timings)
     with evaluation.timed("(keys)"):
-        ocio = _ocio_identity(settings.ocio)
+        ocio = opened(settings.ocio).content
         contents = source_contents(sources)
         keys = unit_keys(graph, steps, params, contents=contents, given={}, scale=options.scale, ocio=ocio)
         stale = {
@@ -136,13 +136,6 @@ def _is_stale(path: str, key: str, existing: str, notes: list[Note]) -> bool:
         notes.append(Note(f"made again, {path} is damaged"))
         return True
     return False
-
-
-def _ocio_identity(config: str | None) -> str:
-    """Return the name of an OpenColorIO config, or for a file the hash of its content; "" for the built-in one."""
-    if not config or config.startswith("ocio://"):
-        return config or ""
-    return content_hash(config)
 
 
 def _free_images(error: BaseException) -> None:

@@ -11,6 +11,7 @@ from typing import Any
 from flowabs_nodes.engine.carry_over import CarryOver
 from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.job_builder import build_job
+from flowabs_nodes.engine.ocio_choice import choose_config
 from flowabs_nodes.engine.options import RunOptions, takes_run_options
 from flowabs_nodes.engine.profile import total_times
 from flowabs_nodes.engine.render_frame import render_frame
@@ -92,6 +93,7 @@ def render_sequence(
     loaded = load_graph(graph)
     if options.set:
         loaded = loaded.with_set(options.set)
+    options, about_colors = choose_config(options)
     job, numbers = build_job(loaded, options)
     tell: Listener = on_event or (lambda event: None)
     tell(start_event(loaded.name, len(numbers)))
@@ -99,7 +101,7 @@ def render_sequence(
         *(Note(text) for text in loaded.notes),
         *(Note(str(each), warning=True) for each in loaded.warnings),
     )
-    about += passed_over(job.graph) + same_picture(job.graph, len(numbers))
+    about += about_colors + passed_over(job.graph) + same_picture(job.graph, len(numbers))
     for note in about:
         tell(note_event(note))
     reports: list[FrameReport] = []

@@ -13,6 +13,7 @@ from flowabs_nodes.engine.evaluate import Evaluation
 from flowabs_nodes.engine.frame_numbers import frame_number
 from flowabs_nodes.engine.frame_windows import FrameWindows
 from flowabs_nodes.engine.given import Given, given_images
+from flowabs_nodes.engine.ocio_choice import choose_config
 from flowabs_nodes.engine.options import RunOptions
 from flowabs_nodes.engine.plan import make_plan, named_result, sinks
 from flowabs_nodes.engine.report import Listener, Note, note_event
@@ -69,7 +70,8 @@ class RunnableGraph(Graph):
         scale
             Above 0 up to 1: makes the pictures that come in smaller, and pixel lengths with them.
         settings
-            How pictures are read: the largest size, the OCIO config, the folder that may be touched.
+            How pictures are read: the largest size, the OCIO config (without one, what ``$OCIO`` says now, else the
+            built-in one), the folder that may be touched.
         on_event
             Called with a dict for each note and warning; without it they go to the logger "flowabs".
 
@@ -84,6 +86,8 @@ class RunnableGraph(Graph):
             Values in ``set`` are wrong, or a node that is to run needs a package that is not installed.
         CommandError
             A name does not exist (the nearest is told), or a file to read is not set and its image not given.
+        ColorError
+            The OCIO config is missing, unreadable or broken.
         ArgumentError
             ``frame`` is no whole number, ``scale`` is out of range, or something given is no image of the output's
             type: an array of 8 or 16 bits among them, whose light nobody can tell.
@@ -92,7 +96,7 @@ class RunnableGraph(Graph):
         """
         frame = frame_number(frame)
         graph = self if set is None else self.with_set(set)
-        options = RunOptions(scale=scale, **vars(settings or Settings()))
+        options, about_colors = choose_config(RunOptions(scale=scale, **vars(settings or Settings())))
         stand_ins = {} if given is None else given_images(graph, given, frame)
         images = {result: scale_image(image, options.scale) for result, image in stand_ins.items()}
         names = _written_outputs(graph) if outputs is None else _output_names(outputs)
@@ -106,7 +110,7 @@ class RunnableGraph(Graph):
         left_out = next((unit for unit, source in sources.items() if source.skip), None)
         if left_out is not None:
             raise CommandError("no such file, and missing frames are skipped", code="missing-file", node=left_out.node)
-        evaluation = Evaluation(graph, params, sources, options)
+        evaluation = Evaluation(graph, params, sources, options, notes=list(about_colors))
         try:
             results = evaluation.run(steps, images, keep=wanted.values())
         finally:

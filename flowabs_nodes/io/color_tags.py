@@ -11,11 +11,13 @@ import OpenImageIO as oiio
 
 from flowabs_nodes import color
 from flowabs_nodes.color import ocio as named_spaces
+from flowabs_nodes.color.config import Config
 from flowabs_nodes.color.encoding import Encoding
 from flowabs_nodes.color.icc import with_profile
-from flowabs_nodes.color.named import SRGB_NAMES
+from flowabs_nodes.color.named import find
 from flowabs_nodes.color.spaces import KNOWN, convert
 from flowabs_nodes.color.transfers import Sampled
+from flowabs_nodes.errors import ColorError
 from flowabs_nodes.io.formats import Format
 from flowabs_nodes.io.oiio_error import reason
 
@@ -43,12 +45,13 @@ def set_profile(spec: oiio.ImageSpec, profile: bytes) -> None:
 
 
 @cache
-def says(format: Format, data_type: str, encoding: str | Encoding, ocio: str | None = None) -> bool:
+def says(format: Format, data_type: str, encoding: str | Encoding, ocio: Config | None = None) -> bool:
     """Return whether a file of this format and data type, read again, would be taken for this encoding.
 
-    A picture of one pixel is written to see it: what OpenImageIO can write differs from version to version.
+    A picture of one pixel is written to see it: what OpenImageIO can write differs from version to version. Others do
+    not read the file with the config ``ocio`` in which the encoding has its name, so neither is it read here with it.
     """
-    if isinstance(encoding, str) and encoding.lower() in SRGB_NAMES and data_type != "float":
+    if isinstance(encoding, str) and data_type != "float" and find(encoding, ocio).kind == "srgb":
         return True
     spec = oiio.ImageSpec(1, 1, 3, data_type)
     tag(spec, encoding)
@@ -64,15 +67,33 @@ def says(format: Format, data_type: str, encoding: str | Encoding, ocio: str | N
         if source is None:
             reason(oiio)
             return False
-        found = color.detect(source.spec(), ocio=ocio, display_referred=data_type != "float")
+        found = color.detect(source.spec(), display_referred=data_type != "float")
         source.close()
-    return np.allclose(
-        _decoded(found.encoding or found.space.name, ocio), _decoded(encoding, ocio), rtol=0.01, atol=1e-3
-    )
+    read = _decoded(found.encoding or found.space.name, None)
+    return np.allclose(read, _decoded(encoding, ocio), rtol=0.01, atol=1e-3)
 
 
 @cache
-def sayable(format: Format, data_type: str, encoding: str | Encoding, ocio: str | None = None) -> str | Encoding | None:
+def misread(name: str, ocio: Config) -> bool:
+    """Return whether others, who do not have the config, take the name of one of its spaces for another space.
+
+    It is not so for a name that means nothing to them.
+    """
+    if not ocio.content:
+        return False
+    try:
+        theirs, ours = _decoded(name, None), _decoded(name, ocio)
+    except ColorError as error:
+        if error.code == "bad-ocio-config":
+            raise
+        return False
+    return not np.allclose(theirs, ours, rtol=0.01, atol=1e-3)
+
+
+@cache
+def sayable(
+    format: Format, data_type: str, encoding: str | Encoding, ocio: Config | None = None
+) -> str | Encoding | None:
     """Return the same encoding in a way that a file of this format can say: as it is, or by a profile made for it.
 
     None where a file cannot say it at all, as the log of a camera.
@@ -85,7 +106,7 @@ def sayable(format: Format, data_type: str, encoding: str | Encoding, ocio: str 
     return own if says(format, data_type, own, ocio) else None
 
 
-def _as_encoding(encoding: str | Encoding, ocio: str | None) -> Encoding:
+def _as_encoding(encoding: str | Encoding, ocio: Config | None) -> Encoding:
     """Return an OCIO name's primaries and the curve of its neutrals, which may not be all that there is to it."""
     if isinstance(encoding, Encoding):
         return encoding
@@ -95,7 +116,7 @@ def _as_encoding(encoding: str | Encoding, ocio: str | None) -> Encoding:
     return Encoding(encoding, space, (curve, curve, curve))
 
 
-def _decoded(encoding: str | Encoding, ocio: str | None) -> np.ndarray:
+def _decoded(encoding: str | Encoding, ocio: Config | None) -> np.ndarray:
     """Return the colours of the probes in one space."""
     rgb, space = named_spaces.linearize(_PROBES, encoding, ocio)
     return convert(rgb, space, KNOWN["lin_ap0_scene"])

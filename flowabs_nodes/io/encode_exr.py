@@ -58,7 +58,7 @@ def encode_exr(picture: Picture, format: Format, stamps: Mapping[str, str], warn
     channels = {**kept.channels, **channels}
 
     header = exr_header.exr_header(picture.image, picture.settings, warn)
-    header.update(_color_tags(picture, format, header))
+    header.update(_color_tags(picture, format, header, warn))
     for name, value in picture.metadata.items():
         translated, content = attributes.given(name, value)
         header[translated] = content
@@ -96,7 +96,7 @@ def _pixels(picture: Picture, image: Image) -> Array:
     return np.concatenate([encoded, image.pixels[..., 3:]], axis=2)
 
 
-def _color_tags(picture: Picture, format: Format, header: dict[str, Any]) -> dict[str, Any]:
+def _color_tags(picture: Picture, format: Format, header: dict[str, Any], warn: Say) -> dict[str, Any]:
     """Return the attributes that name the file's colours; none where the plate's own, in ``header``, are still true.
 
     Those of the plate that are no longer true are taken out of ``header``.
@@ -108,9 +108,9 @@ def _color_tags(picture: Picture, format: Format, header: dict[str, Any]) -> dic
         said = color.detect(image.spec, ocio=settings.ocio)
         if picture.plate_format is format and said.encoding is None and said.space == image.colorspace:
             return {}
-        tags = exr_header.color_tags(image.colorspace)
+        tags = exr_header.color_tags(image.colorspace, settings.ocio)
     else:
-        tags = exr_header.named_color_tags(picture.colorspace, settings.ocio)
+        tags = exr_header.named_color_tags(picture.colorspace, settings.ocio, warn)
     for name in ("chromaticities", "colorInteropID"):
         header.pop(name, None)
     return tags

@@ -12,6 +12,7 @@ import OpenImageIO as oiio
 
 from flowabs_nodes import color
 from flowabs_nodes.color import ocio
+from flowabs_nodes.color.config import opened
 from flowabs_nodes.color.encoding import Encoding
 from flowabs_nodes.errors import WriteError
 from flowabs_nodes.image import Image
@@ -87,7 +88,7 @@ def _encoding(picture: Picture, format: Format, data_type: str, warn: Say) -> st
         return None
     whole_numbers = data_type != "float"
     if picture.colorspace != "plate":
-        chosen = color_tags.sayable(format, data_type, picture.colorspace, picture.settings.ocio)
+        chosen = color_tags.sayable(format, data_type, picture.colorspace, opened(picture.settings.ocio))
         if chosen is None:
             warn(
                 f"{format.name} cannot say that its colours are {picture.colorspace!r}: others will take them for sRGB"
@@ -95,7 +96,7 @@ def _encoding(picture: Picture, format: Format, data_type: str, warn: Say) -> st
         return chosen or picture.colorspace
     plate = _plate_colors(picture, data_type)
     if plate and plate.encoding:
-        chosen = color_tags.sayable(format, data_type, plate.encoding, picture.settings.ocio)
+        chosen = color_tags.sayable(format, data_type, plate.encoding, opened(picture.settings.ocio))
         if chosen is not None:
             return chosen
         written = "sRGB is" if whole_numbers else "scene-linear colours are"

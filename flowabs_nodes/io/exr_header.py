@@ -11,9 +11,12 @@ import OpenImageIO as oiio
 
 from flowabs_nodes import color
 from flowabs_nodes.color import ColorSpace, named
+from flowabs_nodes.color.chromaticities import chromaticities_by_matrix
+from flowabs_nodes.color.config import opened
 from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.image import Image, Window
 from flowabs_nodes.io import attributes, formats
+from flowabs_nodes.io.color_tags import misread
 from flowabs_nodes.io.formats.exr import EXR
 from flowabs_nodes.io.image_file import open_picture
 from flowabs_nodes.io.settings import Settings
@@ -142,20 +145,32 @@ def _box(window: Window) -> tuple[Any, Any]:
     return low, np.array([window.x + window.width - 1, window.y + window.height - 1], np.int32)
 
 
-def color_tags(space: ColorSpace) -> dict[str, Any]:
-    """Return a linear space's ``colorInteropID``, and its chromaticities for readers that do not know that name."""
+def color_tags(space: ColorSpace, ocio: str | None = None) -> dict[str, Any]:
+    """Return a linear space's ``colorInteropID``, and its chromaticities for readers that do not know that name.
+
+    The name is left out where it is one of the config's that means another space to readers without the config.
+    """
     tags: dict[str, Any] = {}
-    if not space.name.startswith("chromaticities("):
-        tags["colorInteropID"] = space.interop_id or space.name
+    known = space.interop_id
+    if known or not (space.name.startswith("chromaticities(") or misread(space.name, opened(ocio))):
+        tags["colorInteropID"] = known or space.name
     chromaticities = color.chromaticities_of(space)
+    if chromaticities is None and opened(ocio).content:
+        chromaticities = chromaticities_by_matrix(space)  # nobody else knows the config
     return tags | ({"chromaticities": chromaticities} if chromaticities else {})
 
 
-def named_color_tags(name: str, ocio: str | None) -> dict[str, Any]:
-    """Return the same for any OCIO name: an alias of a linear space, or an encoding. Raises ColorError for others."""
+def named_color_tags(name: str, ocio: str | None, warn: Callable[[str], None]) -> dict[str, Any]:
+    """Return the same for any OCIO name: an alias of a linear space, or an encoding. Raises ColorError for others.
+
+    ``warn`` is told of a name that means something else to readers without the config: such colours are "unknown".
+    """
     found = named.find(name, ocio)
     if found.kind == "linear":
-        return color_tags(found.space)
+        return color_tags(found.space, ocio)
+    if misread(name, opened(ocio)):
+        warn(f"its colours are tagged as unknown: {name!r} is another space to readers without this OCIO config")
+        return {"colorInteropID": "unknown"}
     known = OpenEXR.colorInteropIDToChromaticities(name)
     return {"colorInteropID": name} | ({"chromaticities": known} if known else {})
 

@@ -28,6 +28,17 @@ def said(nans: int, infs: int) -> str:
     return " and ".join(f"{number} {what}" for number, what in ((nans, "NaN"), (infs, "Inf")) if number)
 
 
+def finite(pixels: Array, how: str) -> Array:
+    """Return (H, W, C) pixels that are finite; ReadError for others, which became so ``how``: "over its alpha"."""
+    if count(pixels) != (0, 0):
+        bad = ~np.isfinite(pixels).all(axis=2)
+        y, x = np.argwhere(bad)[0]
+        number = int(bad.sum())
+        found = f"{number} {'pixel' if number == 1 else 'pixels'}"
+        raise ReadError(f"its colour {how} is NaN or Inf in {found}, the first at x {x}, y {y}", code="non-finite")
+    return pixels
+
+
 def repaired(pixels: Array, policy: str) -> tuple[Array, str]:
     """Return (H, W, C) pixels without NaN and Inf, and what to say about it in the log ("" for nothing).
 

@@ -12,7 +12,7 @@ from flowabs_nodes import color
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.color import ocio
 from flowabs_nodes.color.detection import forget
-from flowabs_nodes.errors import FlowabsError
+from flowabs_nodes.errors import ColorError, FlowabsError
 from flowabs_nodes.image import Image, Origin
 from flowabs_nodes.io import alpha as alphas
 from flowabs_nodes.io import nonfinite as nonfinites
@@ -65,7 +65,7 @@ def read_image(
     ReadError
         If the file is missing, damaged, too large, not what its name says, or has no such layer, part or colour.
     ColorError
-        If ``colorspace`` is no colour space.
+        If ``colorspace`` is no colour space, or pixels become NaN or Inf by it: no repair helps there.
     CommandError
         If the path lies outside ``settings.root``.
     """
@@ -95,12 +95,12 @@ def read_image(
         space = detected.space
         if detected.encoding is not None:
             if coverage is not None and not straight:
-                rgb, straight = alphas.straight(rgb, coverage), True
+                rgb, straight = nonfinites.finite(alphas.straight(rgb, coverage), "over its alpha"), True
             rgb, space = ocio.linearize(rgb, detected.encoding, settings.ocio)
         if coverage is not None:
-            rgb = np.concatenate(
-                [alphas.premultiplied(rgb, coverage) if straight else rgb, coverage[..., None]], axis=2
-            )
+            if straight:
+                rgb = nonfinites.finite(alphas.premultiplied(rgb, coverage), "times its alpha")
+            rgb = np.concatenate([rgb, coverage[..., None]], axis=2)
     except FlowabsError as error:
         error.at(file=name)
         raise
@@ -157,7 +157,11 @@ def _keep_only_true_tags(
 ) -> None:
     """Remove a header's words on its colours where the user says that they are other colours."""
     if given not in ("", "auto"):
-        said = _colorspace(source, format, "auto", settings)
+        try:
+            said = _colorspace(source, format, "auto", settings)
+        except ColorError:  # a tag of the config's that the config cannot convert
+            forget(source)
+            return
         if (said.space, said.encoding) != (detected.space, detected.encoding):
             forget(source)
 

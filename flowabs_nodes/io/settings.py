@@ -20,7 +20,8 @@ class Settings:
         The most pixels that a frame may have; a larger one is refused before any memory is taken for it. The default,
         2**27, is 16384 x 8192.
     ocio
-        An OCIO config (a path, or "ocio://..."); None: the pinned built-in one.
+        An OCIO config (a path, or "ocio://..."). None: a run takes ``$OCIO`` (engine/ocio_choice.py) or else, as all
+        functions of io do, the pinned built-in one.
     root
         Nothing outside this folder is read or written, symbolic links included; None: no limit.
     """

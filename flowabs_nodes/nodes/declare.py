@@ -217,6 +217,11 @@ class Node:
         """Return those of ``needs`` that are not installed: what pip installs each module with, by module."""
         return {module: source for module, source in self.needs.items() if not find_spec(module)}
 
+    @property
+    def uses_config(self) -> bool:
+        """Return whether the result may depend on the OCIO config: the node reads or writes files, or names a space."""
+        return self.file_param is not None or any(param.colorspace is not None for param in self.params)
+
     def sections(self) -> dict[str, list[Param]]:
         """Return every parameter by its section of a panel, ``group``; the sections in order of their first one."""
         found: dict[str, list[Param]] = {}

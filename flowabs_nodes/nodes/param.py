@@ -60,6 +60,7 @@ class Param:
     scales: Whole = 0
     role: Literal["", "input", "output"] = ""  # of a file
     pictures: Flag = False  # of a file to read: it is of a format in flowabs_nodes.io.formats, which is checked first
+    colorspace: tuple[str, ...] | None = None  # a text that names a colour space, or is one of these words
     in_key: Flag = True  # False: does not change the picture, so not the key either (a written file's path)
     schema: Mapping[str, Any] = field(default_factory=dict, hash=False)  # custom: its JSON Schema
     parse: Callable[[Any], str | None] | None = None  # custom: what is wrong with a value, or None
@@ -149,10 +150,22 @@ class Param:
         return Param(name, "enum", default, help, choices=choices, in_key=in_key, **panel)
 
     @staticmethod
-    def string(name: str, default: str, *, examples: tuple[str, ...] = (), help: str, **panel: Unpack[Panel]) -> Param:
-        """Declare a free text; ``examples`` of it are for editors, and for tests."""
+    def string(
+        name: str,
+        default: str,
+        *,
+        examples: tuple[str, ...] = (),
+        colorspace: tuple[str, ...] | None = None,
+        help: str,
+        **panel: Unpack[Panel],
+    ) -> Param:
+        """Declare a free text; ``examples`` of it are for editors, and for tests.
+
+        ``colorspace`` says that the text is the name of a colour space, or one of the words that it gives: the name is
+        checked before a run, and the OCIO config is then a part of the node's key.
+        """
         schema = {"examples": list(examples)} if examples else {}
-        return Param(name, "string", default, help, schema=schema, **panel)
+        return Param(name, "string", default, help, schema=schema, colorspace=colorspace, **panel)
 
     @staticmethod
     def color(name: str, default: tuple[Number, Number, Number], *, help: str, **panel: Unpack[Panel]) -> Param:

@@ -86,6 +86,7 @@ READ = Node(
         Param.string(
             "colorspace",
             "auto",
+            colorspace=("", "auto"),
             label="Colour space",
             group="Pixels",
             help="Colour space of the file: any OCIO name. auto: its tag, profile, chromaticities, or lin_rec709.",

@@ -96,6 +96,7 @@ WRITE = Node(
         Param.string(
             "colorspace",
             "plate",
+            colorspace=("plate",),
             label="Colour space",
             group="Encoding",
             help="plate: the plate's own; sRGB in a PNG or TIFF of a scene-linear plate; or any OCIO name.",

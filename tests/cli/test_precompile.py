@@ -183,7 +183,7 @@ def test_the_thread_leaves_nodes_of_other_packages_alone_and_ends_with_the_run(g
     from flowabs_nodes.engine.runnable import RunnableGraph
 
     ran = []
-    monkeypatch.setattr(RunnableGraph, "run", lambda self, given, outputs: ran.append(outputs) or {})
+    monkeypatch.setattr(RunnableGraph, "run", lambda self, given, outputs, **_: ran.append(outputs) or {})
     precompile.run_small(graph, {}, own_only=True)
     assert ran == [["soft.image"], ["lines.lines"]]
     ran.clear()

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from flowabs_nodes.errors import ReadError
 from flowabs_nodes.io.nonfinite import count, repaired, said
+from flowabs_nodes.io.read import read_image
+from tests.io.files import colors, exr, planes
 
 
 def test_clean_pixels_are_handed_back() -> None:
@@ -55,3 +59,13 @@ def test_refused_with_the_count() -> None:
 def test_said() -> None:
     assert said(6, 12) == "6 NaN and 12 Inf"
     assert said(0, 1) == "1 Inf"
+
+
+def test_colour_over_a_tiny_alpha_is_refused_with_its_place(tmp_path: Path) -> None:
+    pixels = colors(6, 8, 4, dtype=np.float32)
+    pixels[2, 3] = (1, 1, 1, 1e-39)
+    path = exr(tmp_path / "a.exr", planes(pixels))
+    with pytest.raises(ReadError, match=r"over its alpha is NaN or Inf in 1 pixel, the first at x 3, y 2") as caught:
+        read_image(path, colorspace="sRGB")
+    assert caught.value.file == str(path)
+    assert np.isfinite(read_image(path).pixels).all()
