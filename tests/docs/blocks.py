@@ -5,7 +5,8 @@ A comment stands on lines of its own straight above the fence, where GitHub does
 - ``<!-- not run: REASON -->``: nothing is done with the block;
 - ``<!-- in a clone -->``: it runs in a copy of the checkout, not where only the package is installed;
 - ``<!-- saved as NAME -->``: the reader puts it into a file of this name, which the words above the block say too;
-- ``<!-- added to NAME -->``: the reader adds it to a file that is there by then: Python at its end, JSON to a graph's nodes.
+- ``<!-- added to NAME -->``: the reader adds it to a file that is there by then: Python at its end, JSON to the nodes
+  of a graph.
 """
 
 from __future__ import annotations

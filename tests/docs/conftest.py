@@ -42,7 +42,8 @@ def installed(clone, tmp_path_factory) -> dict[str, str]:
     (wheel,) = folder.glob("*.whl")
     run(*pip, "--python", python, "install", "--no-deps", "--no-index", wheel)
     below = folder / "venv" / Path(sysconfig.get_path("purelib")).relative_to(sys.prefix)
-    (below / "what_it_depends_on.pth").write_text("\n".join({sysconfig.get_path("purelib"), sysconfig.get_path("platlib")}))
+    others = {sysconfig.get_path(each) for each in ("purelib", "platlib")}
+    (below / "what_it_depends_on.pth").write_text("\n".join(others), encoding="utf-8")
     cache = os.environ.get("NUMBA_CACHE_DIR") or str(kernels_of_checkout(folder))
     left_out = {"PYTHONPATH", "PYTHONHOME"}
     environment = {name: value for name, value in os.environ.items() if name not in left_out}
@@ -51,7 +52,7 @@ def installed(clone, tmp_path_factory) -> dict[str, str]:
 
 
 def kernels_of_checkout(folder: Path) -> Path:
-    """Return a folder of kernels that is the checkout's own: the same sources have the same, and need them once only."""
+    """Return a folder of kernels that leads to the checkout's: its sources are the wheel's, so they compile once only."""
     named = folder / "kernels"
     own = ROOT / "flowabs_nodes" / "__pycache__"
     own.mkdir(exist_ok=True)

@@ -1,7 +1,7 @@
 """Run the Python blocks of a page one after the other in one namespace, as somebody would who types them in.
 
-Run as a script, by the Python that is to find the package: each line on standard input is JSON, ``[place, code]``, and each
-is answered by a line of JSON, ``[what was printed, whether it failed]``.
+Run as a script, by the Python that is to find the package. Each line on standard input is JSON, ``[place, code]``, and
+each is answered by a line of JSON, ``[what was printed, whether it failed]``.
 """
 
 from __future__ import annotations

@@ -101,8 +101,8 @@ class Reading:
         """Load what entry points name; the rest of TOML has only to be TOML."""
         points = tomllib.loads(block.text).get("project", {}).get("entry-points", {})
         names = [target for group in points.values() for target in group.values()]
-        load = "import sys; from importlib.metadata import EntryPoint; [EntryPoint('', e, '').load() for e in sys.argv[1:]]"
-        return shell(f'python -c "{load}" {" ".join(names)}', place)
+        load = f"from importlib.metadata import EntryPoint; [EntryPoint('', name, '').load() for name in {names}]"
+        return shell(f'python -c "{load}"', place)
 
     def _text(self, block: Block, _: Place) -> str:
         """Compare with what the block before printed: … stands for anything."""

@@ -1,6 +1,7 @@
 """Pictures and graphs of the reader's own that pages start from, for the pages whose words name them.
 
-A page gets ``shot.1001.exr`` because it says "with a sequence `shot.1001.exr` to ...": what a page does not say, it does not get.
+A page gets ``shot.1001.exr`` because it says "with a sequence `shot.1001.exr` to ...". What a page does not say, it
+does not get.
 """
 
 from __future__ import annotations
@@ -8,9 +9,9 @@ from __future__ import annotations
 import re
 import shutil
 from collections.abc import Callable
-from functools import cache
 from pathlib import Path
 
+import numpy as np
 import OpenImageIO as oiio
 
 from tests.docs.blocks import ROOT, Page
@@ -19,17 +20,16 @@ PICTURES = ROOT / "docs" / "pictures"
 FRAMES = range(1001, 1011)
 
 
-@cache
 def small(name: str, width: int = 150) -> oiio.ImageBuf:
-    """Return one of the documentation's pictures, made smaller: keeps tests quick."""
+    """Return one of the documentation's pictures, made smaller, which keeps tests quick."""
     picture = oiio.ImageBuf(str(PICTURES / name))
     height = round(picture.spec().height * width / picture.spec().width)
     return oiio.ImageBufAlgo.resize(picture, roi=oiio.ROI(0, width, 0, height))
 
 
-def write(picture: oiio.ImageBuf, file: Path) -> None:
-    """Write a picture as half floats."""
-    if not picture.write(str(file), "half"):
+def write(picture: oiio.ImageBuf, file: Path, numbers: str = "half") -> None:
+    """Write a picture in numbers of a type."""
+    if not picture.write(str(file), numbers):
         raise OSError(picture.geterror())
 
 
@@ -40,28 +40,32 @@ def plate(file: Path) -> None:
 
 def shot(first: Path) -> None:
     """Write ten frames of a photograph that moves by a pixel a frame."""
+    picture = small("coffee.exr")
     for offset, frame in enumerate(FRAMES):
-        moved = oiio.ImageBufAlgo.circular_shift(small("coffee.exr"), offset, 0)
+        moved = oiio.ImageBufAlgo.circular_shift(picture, offset, 0)
         write(moved, first.with_name(first.name.replace(str(FRAMES[0]), str(frame))))
 
 
 def render(file: Path) -> None:
-    """Write a render with the passes that Blender makes: depth 1 to 50, normals, motion, an object index."""
-    beauty = small("render.exr")
-    spec = beauty.spec()
-    roi = oiio.ROI(0, spec.width, 0, spec.height, 0, 1, 0, 10)
-    names = [
-        *("ViewLayer.Combined.R", "ViewLayer.Combined.G", "ViewLayer.Combined.B", "ViewLayer.Depth.Z"),
-        *("ViewLayer.Normal.X", "ViewLayer.Normal.Y", "ViewLayer.Normal.Z"),
-        *("ViewLayer.Vector.X", "ViewLayer.Vector.Y", "ViewLayer.Vector.Z", "ViewLayer.Vector.W"),
-        "ViewLayer.IndexOB.X",
-    ]
-    roi.chend = len(names)
-    passes = oiio.ImageBufAlgo.fill((0,) * 3 + (1,) + (0, 0, 1) + (0,) * 4 + (1,), (0,) * 3 + (50,) + (0, 0, 1) + (0,) * 4 + (2,), roi)
-    oiio.ImageBufAlgo.paste(passes, 0, 0, 0, 0, beauty)
-    passes.specmod().channelnames = names
-    if not passes.write(str(file), "float"):
-        raise OSError(passes.geterror())
+    """Write a render with the passes that Blender makes: depth 1 to 60, normals, motion, an object's number."""
+    beauty = small("render.exr").get_pixels()
+    height, width = beauty.shape[:2]
+    depth = np.linspace(60, 1, height)[:, None]
+    passes = {
+        **{f"Combined.{name}": beauty[..., n] for n, name in enumerate("RGB")},
+        "Depth.Z": depth,
+        "Normal.X": 0,
+        "Normal.Y": 0,
+        "Normal.Z": 1,
+        **{f"Vector.{name}": 0 for name in "XYZW"},
+        "IndexOB.X": depth > 20,
+    }
+    spec = oiio.ImageSpec(width, height, len(passes), "float")
+    spec.channelnames = [f"ViewLayer.{name}" for name in passes]
+    picture = oiio.ImageBuf(spec)
+    pixels = np.stack([np.broadcast_to(each, (height, width)) for each in passes.values()], axis=-1)
+    picture.set_pixels(spec.roi, np.ascontiguousarray(pixels, np.float32))
+    write(picture, file, "float")
 
 
 def graph(file: Path) -> None:
