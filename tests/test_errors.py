@@ -14,6 +14,10 @@ from flowabs_nodes.errors import FlowabsError, closest, nearest
         ("shot10", ["shot0010", "shot0100"], "shot0010"),
         ("srgb", ["sRGB", "lin_rec709"], "sRGB"),
         ("brigth", ["bright", "plate"], "bright"),
+        ("line-width", ["line_amount", "line_width"], "line_width"),
+        ("Line Width", ["linewidths", "line_width"], "line_width"),
+        ("ARRI_LogC3", ["ARRI LogC4", "arri_logc4", "arri_logc3_ei800"], "arri_logc3_ei800"),
+        ("abstr", ["astra", "abstraction"], "abstraction"),
         ("zzz", ["bright"], None),
     ],
 )
@@ -28,6 +32,8 @@ def test_the_nearest_name_is_found_case_and_zeros_aside(name, known, right):
         ("radius: expected a number", "node n: radius: expected a number"),
         ("radius['x']: expected a number", "node n: radius['x']: expected a number"),
         ("radius_2: expected a number", "node n: parameter radius: radius_2: expected a number"),
+        ("radius 'x' is no number", "node n: radius 'x' is no number"),
+        ("radius of 'x' is none", "node n: parameter radius: radius of 'x' is none"),
         ("5 is too much", "node n: parameter radius: 5 is too much"),
     ],
 )

@@ -52,7 +52,7 @@ def installed(clone, tmp_path_factory) -> dict[str, str]:
 
 
 def kernels_of_checkout(folder: Path) -> Path:
-    """Return a folder of kernels that leads to the checkout's, whose sources are the wheel's: each compiles but once."""
+    """Return a folder of kernels that leads to those of the checkout, whose sources are the wheel's: compiled once."""
     named = folder / "kernels"
     own = ROOT / "flowabs_nodes" / "__pycache__"
     own.mkdir(exist_ok=True)
