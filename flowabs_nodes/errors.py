@@ -54,13 +54,14 @@ class FlowabsError(Exception):
         return self
 
     def __str__(self) -> str:
-        said = tuple(f"{self.parameter}{mark}" for mark in (":", "[", " '"))
-        named = self.message.startswith(said)  # once is enough
+        # A message may begin with a name itself: said once is enough.
+        node = "" if self.message.startswith(f"node {self.node!r} ") else self.node
+        parameter = "" if re.match(rf"{re.escape(str(self.parameter))}(?!\w)", self.message) else self.parameter
         place = [
             f"{self.file}" if self.file is not None else "",
             f"frame {self.frame}" if self.frame is not None else "",
-            f"node {self.node}" if self.node is not None else "",
-            f"parameter {self.parameter}" if self.parameter is not None and not named else "",
+            f"node {node}" if node else "",
+            f"parameter {parameter}" if parameter else "",
         ]
         text = ": ".join([*(part for part in place if part), self.message])
         return f"{text} ({self.hint})" if self.hint else text

@@ -69,8 +69,10 @@ def run(*command: object) -> None:
 
 
 @pytest.fixture
-def here(installed, tmp_path) -> Place:
-    """Return an empty folder outside of the checkout, where the package is installed."""
+def here(installed, clone, tmp_path) -> Place:
+    """Return a folder outside of the checkout, where the package is installed; of a checkout it has docs and graphs."""
+    for name in ("docs", "graphs"):
+        (tmp_path / name).symlink_to(clone / name)
     return Place(tmp_path, installed)
 
 

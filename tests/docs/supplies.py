@@ -1,12 +1,11 @@
 """Pictures and graphs of the reader's own that pages start from, for the pages whose words name them.
 
 A page gets ``shot.1001.exr`` because it says "with a sequence `shot.1001.exr` to ...". What a page does not say, it
-does not get.
+does not get, but for the files of ``docs`` and ``graphs``: pages are read at the root of a checkout.
 """
 
 from __future__ import annotations
 
-import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -69,30 +68,21 @@ def render(file: Path) -> None:
 
 
 def graph(file: Path) -> None:
-    """Copy a graph of the checkout's under its name, or the lines as a graph of the user's."""
-    shutil.copy(ROOT / "graphs" / file.name if file.parent.name == "graphs" else ROOT / "graphs" / "lines.json", file)
-
-
-def pictures(folder: Path) -> None:
-    """Copy the documentation's pictures."""
-    shutil.copytree(PICTURES, folder)
+    """Write a graph of the user's."""
+    shutil.copy(ROOT / "graphs" / "lines.json", file)
 
 
 #: What a page may start from, and the function that makes it.
 SUPPLIES: dict[str, Callable[[Path], None]] = {
-    "docs/pictures": pictures,
     "plate.exr": plate,
     "shot.1001.exr": shot,
     "render.1001.exr": render,
     "my_graph.json": graph,
-    "graphs/abstraction.json": graph,
 }
 
 
 def supply(page: Page, folder: Path) -> None:
     """Put into a folder what the words of a page say is there."""
     for name, make in SUPPLIES.items():
-        if re.search(rf"`{re.escape(name)}/?`|\]\({re.escape(name)}", page.words):
-            file = folder / name
-            file.parent.mkdir(parents=True, exist_ok=True)
-            make(file)
+        if f"`{name}`" in page.words:
+            make(folder / name)
