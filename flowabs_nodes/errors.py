@@ -54,12 +54,14 @@ class FlowabsError(Exception):
         return self
 
     def __str__(self) -> str:
-        named = self.message.startswith((f"{self.parameter}:", f"{self.parameter}["))  # said once is enough
+        # A message may begin with a name itself: said once is enough.
+        node = "" if self.message.startswith(f"node {self.node!r} ") else self.node
+        parameter = "" if re.match(rf"{re.escape(str(self.parameter))}(?!\w)", self.message) else self.parameter
         place = [
             f"{self.file}" if self.file is not None else "",
             f"frame {self.frame}" if self.frame is not None else "",
-            f"node {self.node}" if self.node is not None else "",
-            f"parameter {self.parameter}" if self.parameter is not None and not named else "",
+            f"node {node}" if node else "",
+            f"parameter {parameter}" if parameter else "",
         ]
         text = ": ".join([*(part for part in place if part), self.message])
         return f"{text} ({self.hint})" if self.hint else text
@@ -118,17 +120,23 @@ class InternalError(FlowabsError):
 
 
 def closest(name: object, known: Iterable[str]) -> str | None:
-    """Return the known name that ``name`` was probably meant to be, case and leading zeros aside; None if none is."""
+    """Return the known name that ``name`` was probably meant to be; None if none is.
+
+    Case, leading zeros, and whether words are joined by "_", "-" or a space, make no difference. A name that begins
+    with ``name`` goes before one that is as near in another way.
+    """
     names: dict[str, str] = {}
     for each in known:
         names.setdefault(_plain(each), each)
-    close = difflib.get_close_matches(_plain(str(name)[:200]), names, 1)
+    plain = _plain(str(name)[:200])
+    begun = [each for each in names if each.startswith(plain)]
+    close = difflib.get_close_matches(plain, begun, 1) or difflib.get_close_matches(plain, names, 1)
     return names[close[0]] if close else None
 
 
 def _plain(name: str) -> str:
-    """Return a name in lower case, its numbers without leading zeros: fig1 for Fig01."""
-    return re.sub(r"(?<!\d)0+(?=\d)", "", name.lower())
+    """Return a name in lower case, its words joined by "_", its numbers without leading zeros: fig_1 for Fig-01."""
+    return re.sub(r"(?<!\d)0+(?=\d)", "", re.sub(r"[-_ ]+", "_", name.lower()))
 
 
 def nearest(name: object, known: Iterable[str]) -> str:

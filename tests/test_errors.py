@@ -14,6 +14,10 @@ from flowabs_nodes.errors import FlowabsError, closest, nearest
         ("shot10", ["shot0010", "shot0100"], "shot0010"),
         ("srgb", ["sRGB", "lin_rec709"], "sRGB"),
         ("brigth", ["bright", "plate"], "bright"),
+        ("line-width", ["line_amount", "line_width"], "line_width"),
+        ("Line Width", ["linewidths", "line_width"], "line_width"),
+        ("ARRI_LogC3", ["ARRI LogC4", "arri_logc4", "arri_logc3_ei800"], "arri_logc3_ei800"),
+        ("abstr", ["astra", "abstraction"], "abstraction"),
         ("zzz", ["bright"], None),
     ],
 )
@@ -29,7 +33,14 @@ def test_the_nearest_name_is_found_case_and_zeros_aside(name, known, right):
         ("radius['x']: expected a number", "node n: radius['x']: expected a number"),
         ("radius_2: expected a number", "node n: parameter radius: radius_2: expected a number"),
         ("5 is too much", "node n: parameter radius: 5 is too much"),
+        ("radius 'x' is not in the file", "node n: radius 'x' is not in the file"),
+        ("node 'n' has none", "parameter radius: node 'n' has none"),
+        ("node 'n2' has none", "node n: parameter radius: node 'n2' has none"),
     ],
 )
-def test_a_parameter_is_named_once(message, text):
+def test_node_and_parameter_are_named_once(message, text):
     assert str(FlowabsError(message, node="n", parameter="radius")) == text
+
+
+def test_a_message_may_begin_with_any_word_where_no_place_is_known():
+    assert str(FlowabsError("None is no number")) == "None is no number"

@@ -44,7 +44,9 @@ class Lines:
     def frame(self, event: Event) -> None:
         """Show a frame that has ended."""
         if event["status"] == "failed":
-            self.line(f"frame {event['frame']}  failed  {event['message']}", error=True)
+            frame = f"frame {event['frame']}"
+            message = event["message"].replace(f"{frame}: ", "", 1)  # said once is enough
+            self.line(f"{frame}  failed  {message}", error=True)
         else:
             files = ", ".join(event["files"])
             self.line(f"frame {event['frame']}  {event['status']:7} {event['seconds']:7.2f} s  {files}".rstrip())

@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 
 from flowabs_nodes.choices import EXISTING, MISSING
 from flowabs_nodes.errors import ArgumentError, CommandError, nearest
-from flowabs_nodes.io.settings import Settings
+from flowabs_nodes.io.settings import Settings, refuse_shell_words
 
 PathLike = str | os.PathLike[str]
 
@@ -167,10 +167,14 @@ class RunOptions:
                     hint=nearest(value, choices),
                     parameter=option.name,
                 )
+        if self.root is not None:
+            refuse_shell_words(os.fspath(self.root))
         scale: Any = self.scale
+        if getattr(scale, "ndim", None) == 0:  # NumPy's numbers become Python's
+            scale = scale.item()
         if isinstance(scale, bool) or not isinstance(scale, Real) or not 0 < float(scale) <= 1:
             raise ArgumentError(f"scale: expected a number above 0 up to 1, found {scale!r}", parameter="scale")
-        object.__setattr__(self, "scale", float(scale))  # NumPy's numbers become Python's
+        object.__setattr__(self, "scale", float(scale))
 
     @property
     def settings(self) -> Settings:

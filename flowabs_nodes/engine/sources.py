@@ -100,9 +100,9 @@ def file_of(graph: Graph, node: str, values: Mapping[str, Any]) -> str:
     param = graph.nodes[node].declaration.file_param
     assert param is not None
     if not values.get(param.name):
-        what, flag = ("reads", "-i") if param.role == "input" else ("writes", "-o")
+        what, flag = ("read", "-i") if param.role == "input" else ("write", "-o")
         raise CommandError(
-            f"node {node!r} {what} a file, but none is set",
+            f"no file to {what} is set",
             code="file-not-set",
             hint=f"{flag} FILE, or --set {node}.{param.name}=FILE",
             node=node,

@@ -79,6 +79,7 @@ def number(
     above: float | None = None,
 ) -> float:
     """Return ``value`` as a finite float of at least ``min``, at most ``max``, greater than ``above``."""
+    value = _from_array(value)
     if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
         raise ArgumentError(f"{name}: expected a number, found {value!r}", code="wrong-type", parameter=name)
     result = float(value)
@@ -98,9 +99,15 @@ def number(
 
 def whole(name: str, value: Any, *, min: int | None = None, max: int | None = None) -> int:
     """Return ``value`` as an int from ``min`` to ``max``; 1.0 and True are not whole numbers here."""
+    value = _from_array(value)
     if isinstance(value, bool) or not isinstance(value, int | np.integer):
         raise ArgumentError(f"{name}: expected a whole number, found {value!r}", code="wrong-type", parameter=name)
     return int(number(name, value, min=min, max=max))
+
+
+def _from_array(value: Any) -> Any:
+    """Return the number in an array without axes, such as ``np.array(5)``; anything else as it is."""
+    return value.item() if isinstance(value, np.ndarray) and value.ndim == 0 else value
 
 
 def choice(name: str, value: Any, choices: tuple[str, ...]) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from numbers import Real
 from typing import Any
 
 from flowabs_nodes.graph.problems import GraphError, Problem, Problems
@@ -42,5 +43,9 @@ def _default(value: Any) -> Any:
     if isinstance(value, os.PathLike):
         return os.fspath(value)
     if hasattr(value, "tolist"):  # a numpy number or array
-        return value.tolist()
+        plain = value.tolist()
+        if type(plain) is not type(value):
+            return plain
+        if isinstance(plain, Real):  # a long double, of which Python has no like
+            return float(plain)
     raise TypeError(f"{type(value).__name__} is not plain data")

@@ -76,7 +76,8 @@ def _check_range(knob: Knob, place: Place, problems: Problems) -> None:
         end = getattr(knob, key)
         wrong = None if end is None else free.problem(end)
         if wrong:
-            problems.add(wrong[0], (*place, key), show(end), wrong[1])
+            hint = whole_hint(end) if knob.type == "int" else ""
+            problems.add(wrong[0], (*place, key), show(end), wrong[1], hint)
     if problems.errors == before and knob.min is not None and knob.max is not None and knob.min > knob.max:
         problems.add("bad-value", (*place, "max"), show(knob.max), f"at least min, {knob.min:g}")
     wrong = (knob.param if problems.errors == before else free).problem(knob.default)
@@ -89,7 +90,7 @@ def _check_range(knob: Knob, place: Place, problems: Problems) -> None:
 
 def whole_hint(value: Any) -> str:
     """Return what to write instead of 3.0 where a whole number belongs; nothing for any other value."""
-    return f"write {value:.0f}" if isinstance(value, float) and value.is_integer() else ""
+    return f"write {int(value)}" if isinstance(value, float) and value.is_integer() and abs(value) < 2**53 else ""
 
 
 def check_drives(knob: Knob, param: Param, owner: str, place: Place, problems: Problems) -> None:

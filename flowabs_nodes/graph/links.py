@@ -128,17 +128,24 @@ def _check_types(names: list[str], declarations: Declarations, links: Links, pro
 
 def add_unused(names: list[str], declarations: Declarations, links: Links, problems: Problems) -> None:
     """Warn of each node that no ``write`` needs, in a graph that has one."""
-    writes = [
-        name for name, node in declarations.items() if node and node.file_param and node.file_param.role == "output"
-    ]
+    for name in unused(names, declarations, links):
+        expected = f"a link from it that leads to {' or '.join(_writes(declarations)[:4])}"
+        problems.add("unused-node", ("nodes", name), f"{name}, which nothing needs", expected, warning=True)
+
+
+def unused(names: list[str], declarations: Declarations, links: Links) -> list[str]:
+    """Return the nodes that no ``write`` needs, in a graph that has one; ``names`` has each after those it needs."""
+    writes = _writes(declarations)
     needed = set(writes)
     for name in reversed(names):
         if name in needed:
             needed.update(link.node for link in links.get(name, {}).values())
-    for name in declarations:
-        if writes and name not in needed:
-            expected = f"a link from it that leads to {' or '.join(writes[:4])}"
-            problems.add("unused-node", ("nodes", name), f"{name}, which nothing needs", expected, warning=True)
+    return [name for name in declarations if writes and name not in needed]
+
+
+def _writes(declarations: Declarations) -> list[str]:
+    files = {name: node.file_param for name, node in declarations.items() if node}
+    return [name for name, file in files.items() if file and file.role == "output"]
 
 
 def types_in_words(port: Port) -> str:

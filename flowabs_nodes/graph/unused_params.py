@@ -1,12 +1,12 @@
 """Warns of what a graph sets to no effect.
 
 That is a parameter which the graph's own settings disable, such as XDoG's phi in a paper-style drawing, and a knob that
-drives nothing.
+changes nothing.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
 from flowabs_nodes.graph.model import GraphNode, Knob
@@ -31,14 +31,29 @@ def add_unused_params(nodes: Iterable[GraphNode], knobs: Mapping[str, Knob], pro
                 _add(node, declared[name], values, problems)
 
 
-def add_unused_knobs(nodes: Iterable[GraphNode], knobs: Mapping[str, Knob], problems: Problems) -> None:
-    """Add a warning for each knob that no parameter takes its value from."""
-    used = {value.knob for node in nodes for value in node.params.values() if isinstance(value, FromKnob)}
-    for name in knobs:
-        if name not in used:
-            found = f"the knob {name}, which drives nothing"
+def add_unused_knobs(
+    nodes: Iterable[GraphNode], knobs: Mapping[str, Knob], idle: Collection[str], problems: Problems
+) -> None:
+    """Add a warning for each knob that changes nothing, wherever it stands; ``idle`` are nodes that nothing needs."""
+    driven: dict[str, list[str]] = {name: [] for name in knobs}  # for each parameter, why it does not count, or ""
+    for node in nodes:
+        for name, value in node.params.items():
+            if isinstance(value, FromKnob):
+                driven[value.knob].append(_why_idle(node, name, value, idle))
+    for name, whys in driven.items():
+        if all(whys):
+            reasons = "; ".join(whys[:3])
+            found = f"the knob {name}, which " + (f"changes nothing: {reasons}" if reasons else "drives nothing")
             expected = f'a parameter set to {{"from": {show(name)}}}'
             problems.add("unused-knob", ("interface", name), found, expected, "leave it out", warning=True)
+
+
+def _why_idle(node: GraphNode, param: str, value: FromKnob, idle: Collection[str]) -> str:
+    """Return why a knob that drives a parameter changes nothing by it; "" where it does."""
+    if node.name in idle:
+        return f"nothing needs {node.name}, of which it drives {param}"
+    results = {y for _, y in value.map}
+    return f"{node.name}.{param} is {show(results.pop())} everywhere on its map" if len(results) == 1 else ""
 
 
 def _add(node: GraphNode, param: Param, values: Mapping[str, Any], problems: Problems) -> None:

@@ -12,7 +12,7 @@ from typing import Any
 from flowabs_nodes.graph import document_keys
 from flowabs_nodes.graph.format import MOST_NODES
 from flowabs_nodes.graph.knobs import read_knobs
-from flowabs_nodes.graph.links import add_unused, check_links, read_links
+from flowabs_nodes.graph.links import add_unused, check_links, read_links, unused
 from flowabs_nodes.graph.model import Graph, GraphNode, Knob, Link
 from flowabs_nodes.graph.parameters import read_value
 from flowabs_nodes.graph.problems import Place, Problems, show
@@ -44,7 +44,9 @@ def validate(document: Any, catalogue: Mapping[str, Node], problems: Problems, s
         return None
     interface = {name: knob for name, knob in knobs.items() if knob is not None}
     add_unused_params((nodes[name] for name in raw_nodes), interface, problems)
-    add_unused_knobs(nodes.values(), interface, problems)
+    declarations = {name: node.declaration for name, node in nodes.items()}
+    idle = unused(list(nodes), declarations, {name: node.inputs for name, node in nodes.items()})
+    add_unused_knobs(nodes.values(), interface, idle, problems)
     return Graph(
         name=top.get("name", ""),
         description=top.get("description", ""),

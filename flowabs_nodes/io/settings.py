@@ -39,7 +39,7 @@ def checked(path: str | os.PathLike[str], settings: Settings) -> Path:
     name = os.fspath(path)
     if not name or "\0" in name:
         raise CommandError(f"{name!r} is not the name of a file", code="bad-path")
-    if re.match(r"[A-Za-z][A-Za-z0-9+.-]+://", name):
+    if re.match(r"[A-Za-z][A-Za-z0-9+.-]+://|file:", name):
         raise CommandError(f"{name!r} is an address, not a file", code="bad-path", hint="give a path on this machine")
     refuse_shell_words(name)
     if settings.root is not None and not within(name, settings.root):
@@ -55,19 +55,23 @@ def checked(path: str | os.PathLike[str], settings: Settings) -> Path:
 _SHELL_WORDS = (
     (re.compile(r"~[^/\\]*(?=[/\\])|~$"), "write the whole path, {home}: ~ is expanded by shells, outside of quotes"),
     (
-        re.compile(r".*?(\$\{[^}]*\}|\$(?!F\d*+(?![A-Za-z_]))[A-Za-z_]\w*)", re.DOTALL),
-        "write the path itself: variables are expanded by shells, outside of single quotes",
+        re.compile(r".*?(\$\{[^}]*\}|\$\([^)]*\)|`[^`]*`|\$(?!F\d*+(?![A-Za-z_]))[A-Za-z_]\w*)", re.DOTALL),
+        "write the path itself: variables and commands are expanded by shells, outside of single quotes",
     ),
     (
-        re.compile(r".*?(%[A-Za-z_][\w()]*%)", re.DOTALL),
+        re.compile(r".*?(%[A-Za-z_][\w()]*%|![A-Za-z_]\w*!)", re.DOTALL),
         "write the path itself: variables are expanded by the command prompt",
     ),
+    (
+        re.compile(r".*?(\[(?:getenv|value|expression|python)\b[^\]]*\])", re.DOTALL),
+        "write the path itself: expressions in brackets are Nuke's",
+    ),
 )
-_WINDOWS_PATH = re.compile(r"[A-Za-z]:[\\/]|\\\\|.*\\")
+_WINDOWS_PATH = re.compile(r"[A-Za-z]:|\\\\|.*\\")
 
 
 def refuse_shell_words(name: str) -> None:
-    """Raise CommandError for a name with ``~``, ``$SHOT``, ``%NAME%`` or, but on Windows, backslashes in it.
+    """Raise CommandError for a name with ``~``, ``$SHOT``, ``%SHOT%``, ``[getenv SHOT]``, or elsewhere a Windows path.
 
     It would only be found, or made, in a folder of that very name. A file that has the very name is no mistake.
     """

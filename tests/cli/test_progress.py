@@ -17,7 +17,7 @@ def test_a_log_has_a_line_a_frame(flowabs, fake_run):
     ]
     assert err.splitlines() == [
         "frame 1001  warning: out: clipped",
-        "frame 1002  failed  in.1002.exr: frame 1002: is cut short",
+        "frame 1002  failed  in.1002.exr: is cut short",
     ]
 
 

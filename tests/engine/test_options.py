@@ -3,7 +3,10 @@
 import dataclasses
 import inspect
 import pickle
+from fractions import Fraction
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 import flowabs_nodes as fa
@@ -65,3 +68,16 @@ def test_a_word_must_be_one_of_the_choices(option, value, hint):
 def test_scale_must_be_a_share(scale):
     with pytest.raises(ArgumentError, match="above 0 up to 1"):
         RunOptions(scale=scale)
+
+
+@pytest.mark.parametrize("scale", [np.array(0.5), np.float16(0.5), np.longdouble(0.5), Fraction(1, 2)])
+def test_scale_is_any_real_number(scale):
+    assert RunOptions(scale=scale).scale == 0.5
+    assert type(RunOptions(scale=scale).scale) is float
+
+
+@pytest.mark.parametrize("root", ["~", "~/shots", "$SHOT", Path("~/shots")])
+def test_a_root_that_only_a_shell_understands_is_refused(root):
+    with pytest.raises(CommandError) as caught:
+        RunOptions(root=root)
+    assert caught.value.code == "bad-path"

@@ -101,7 +101,7 @@ def a_flow():
             "expected color, found flow",
         ),
         ({"given": lambda: {"plate": picture(), "plate.image": picture()}}, ArgumentError, "given twice"),
-        ({"outputs": ["bright"]}, CommandError, "node 'plate' reads a file, but none is set"),
+        ({"outputs": ["bright"]}, CommandError, "node plate: parameter file: no file to read is set"),
         ({"set": {"plate.file": "no/such.exr"}, "outputs": ["bright"]}, ReadError, "no such file"),
         ({"set": {"stop": 1}}, GraphError, "stops"),
         ({"scale": 2}, ArgumentError, "above 0 up to 1"),

@@ -162,3 +162,23 @@ def test_a_filter_of_0_to_1_is_noted_and_runs(caplog):
     filters.fdog(code, flow)
     filters.dog(code)
     assert len(caplog.records) == 3
+
+
+@pytest.mark.parametrize("five", [5, 5.0, np.float16(5), np.int8(5), np.longdouble(5), np.array(5), np.array(5.0)])
+def test_numbers_of_numpy_are_numbers(five):
+    assert validate.number("radius", five) == 5
+    assert type(validate.number("radius", five)) is float
+
+
+@pytest.mark.parametrize("three", [3, np.int64(3), np.uint8(3), np.array(3), np.array(3, np.int16)])
+def test_whole_numbers_of_numpy_are_whole_numbers(three):
+    assert validate.whole("iterations", three) == 3
+    assert type(validate.whole("iterations", three)) is int
+
+
+@pytest.mark.parametrize(
+    "other", [3.0, np.float64(3), np.array(3.0), np.array([3]), True, np.bool_(True), np.array(True)]
+)
+def test_what_is_no_whole_number_of_numpy_is_refused(other):
+    with pytest.raises(ArgumentError, match="iterations: expected a whole number, found"):
+        validate.whole("iterations", other)

@@ -1,4 +1,5 @@
 import json
+from pathlib import Path
 
 import pytest
 
@@ -99,3 +100,19 @@ def test_python_data_that_is_no_json_is_refused():
         assert problem.code in ("wrong-type", "too-big")
     (problem,) = graph.check(document(reference_height=float("nan")), CATALOGUE)
     assert (problem.code, problem.pointer) == ("bad-json", "/reference_height")
+
+
+@pytest.mark.parametrize("source", ["~/g.json", "$SHOW/g.json", "a/%SHOW%.json", Path("~/g.json"), "$(pwd)/g.json"])
+def test_a_path_that_only_a_shell_understands_has_a_hint(source):
+    with pytest.raises(CommandError) as caught:
+        graph.load(source)
+    assert caught.value.code == "bad-path"
+    assert caught.value.hint
+
+
+def test_the_file_of_a_graph_that_comes_with_flowabs_is_known_by_its_name():
+    with pytest.raises(CommandError, match=r"lines\.json.*\(the graph that comes with flowabs is 'lines'\)"):
+        graph.load("lines.json")
+    with pytest.raises(CommandError) as caught:
+        graph.load("mine.json")
+    assert caught.value.hint == ""

@@ -139,6 +139,10 @@ def test_numbers_of_numpy_are_numbers(toon):
     assert changed["field"]["color"] is False
     assert changed["toon"]["ink"] == (1, 1, 1)
     assert changed["drawing"]["sigma"] == 2
+    assert graph.override(toon, {"width": np.longdouble(2)}).values(2) == graph.override(toon, {"width": 2}).values(2)
+    ones = graph.override(toon, {"tint": np.ones(3, np.longdouble)}).values(2)
+    assert ones["toon"]["ink"] == (1, 1, 1)
+    assert problems(toon, width=np.clongdouble(2)) == [("bad-value", "--set width")]
     assert problems(toon, passes=np.float64(2.5)) == [("wrong-type", "--set passes")]
 
 

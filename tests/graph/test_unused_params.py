@@ -1,4 +1,4 @@
-"""A parameter that a graph sets and its own settings disable is a warning."""
+"""What a graph sets to no effect is a warning: a parameter that others disable, a knob that changes nothing."""
 
 import dataclasses
 
@@ -11,6 +11,7 @@ from flowabs_nodes.graph.problems import Problems
 from flowabs_nodes.graph.schema import schema
 from flowabs_nodes.graph.validate import validate
 from flowabs_nodes.nodes.declare import Param
+from tests.graph import fakes
 from tests.graph.fakes import CATALOGUE
 
 STYLED = dataclasses.replace(
@@ -126,8 +127,6 @@ def test_xdog_in_a_paper_drawing():
 
 
 def test_a_knob_that_drives_nothing():
-    from tests.graph import fakes
-
     whole = fakes.document()
     spare = {"type": "float", "default": 1}
     whole["interface"] |= {"spare": spare}
@@ -138,11 +137,67 @@ def test_a_knob_that_drives_nothing():
     assert [each.pointer for each in graph.check(whole, fakes.CATALOGUE)] == ["/interface/calm"]
 
 
-def test_a_whole_number_is_written_without_a_fraction():
-    from tests.graph import fakes
-
+@pytest.mark.parametrize(
+    ("node", "params", "words"),
+    [
+        ("field", {"radius": {"from": "spare", "map": [[0, 5], [1, 5]]}}, "field.radius is 5 everywhere on its map"),
+        ("field", {"iterations": {"from": "spare", "map": [[0, 3], [1, 3]]}}, "field.iterations is 3 everywhere"),
+        ("lonely", {"radius": {"from": "spare"}}, "nothing needs lonely, of which it drives radius"),
+        (
+            "lonely",
+            {key: {"from": "spare"} for key in ("radius", "reference")},
+            "drives radius; nothing needs lonely, of",
+        ),
+        ("lonely", {"iterations": {"from": "spare", "map": [[0, 3], [1, 4]]}}, "of which it drives iterations"),
+        ("field", {"radius": {"from": "spare", "map": [[0, 5], [1, 6]]}}, ""),
+        ("field", {"iterations": {"from": "spare", "map": [[0, 3], [1, 4]]}}, ""),
+        ("toon", {"mix": {"from": "spare"}}, ""),
+    ],
+)
+def test_a_knob_that_changes_nothing(node, params, words):
     whole = fakes.document()
-    whole["nodes"]["field"]["params"]["iterations"] = 3.0
-    found = [each for each in graph.check(whole, fakes.CATALOGUE) if not each.warning]
-    assert [(each.code, each.found, each.hint) for each in found] == [("wrong-type", "3.0", "write 3")]
+    whole["interface"]["spare"] = {"type": "float", "default": 1}
+    whole["nodes"]["lonely"] = {"type": "flow@1", "inputs": {"image": "plate"}}
+    whole["nodes"][node].setdefault("params", {}).update(params)
+    found = [each for each in graph.check(whole, fakes.CATALOGUE) if each.pointer == "/interface/spare"]
+    assert [(each.code, each.warning) for each in found] == [("unused-knob", True)] * bool(words)
+    assert all(words in each.found for each in found)
+
+
+def test_a_setting_of_a_knob_that_drives_nothing_is_told():
+    whole = fakes.document()
+    whole["interface"]["spare"] = {"type": "float", "default": 1}
+    (problem,) = override(graph.load(whole, fakes.CATALOGUE), {"spare": 2}).warnings
+    assert problem.code == "unused-knob"
+
+
+@pytest.mark.parametrize("written", [3.0, -0.0, 1e1])
+def test_a_whole_number_is_written_without_a_fraction(written):
+    places = {
+        "/nodes/field/params/iterations": written,
+        "/nodes/field/params/iterations/map/1/1": {"from": "width", "map": [[0, 1], [1, written]]},
+        "/nodes/field/params/iterations/curve/7": {"curve": {"1": 1, "7": written}},
+    }
+    for place, value in places.items():
+        whole = fakes.document()
+        whole["nodes"]["field"]["params"]["iterations"] = value
+        assert wrong(whole) == [("wrong-type", place, str(written), f"write {int(written)}")]
+    for key in ("default", "min", "max"):
+        whole = fakes.document()
+        whole["interface"]["passes"] = {"type": "int", "default": 2} | {key: written}
+        assert wrong(whole) == [("wrong-type", f"/interface/passes/{key}", str(written), f"write {int(written)}")]
     assert "3.0" in graph.schema(fakes.CATALOGUE)["$comment"]
+
+
+@pytest.mark.parametrize("written", [2.5, 1e300, True, "3", None])
+def test_what_is_no_whole_number_has_no_such_hint(written):
+    whole = fakes.document()
+    whole["nodes"]["field"]["params"]["iterations"] = written
+    ((code, _, _, hint),) = wrong(whole)
+    assert (code, hint) == ("wrong-type", "")
+
+
+def wrong(whole):
+    """Return code, place, what was found and the hint of each error in a graph."""
+    found = [each for each in graph.check(whole, fakes.CATALOGUE) if not each.warning]
+    return [(each.code, each.pointer, each.found, each.hint) for each in found]

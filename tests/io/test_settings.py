@@ -38,7 +38,9 @@ def test_symbolic_links_are_followed(tmp_path: Path) -> None:
     assert checked(root / "a.exr", Settings(root=root)) == root / "a.exr"
 
 
-@pytest.mark.parametrize("name", ["", "a\0b.exr", "file:///etc/x.exr", "http://x/y.exr"])
+@pytest.mark.parametrize(
+    "name", ["", "a\0b.exr", "file:///etc/x.exr", "file:/etc/x.exr", "http://x/y.exr", "s3://shots/x.exr"]
+)
 def test_names_no_file_has(name: str) -> None:
     with pytest.raises(CommandError) as caught:
         checked(name, Settings())
@@ -50,6 +52,8 @@ def test_names_no_file_has(name: str) -> None:
     [
         *("~/x.exr", "~me/x.exr", "~", "$SHOT/x.exr", "${SHOT}/x.exr", "a/$SHOT.####.exr", "$F_SHOT/a.exr"),
         *("%USERPROFILE%/x.exr", "a/%SHOT%.exr", r"C:\shots\x.exr", "C:/x.exr", r"\\server\x.exr", r"shots\x.exr"),
+        *("C:x.exr", "$(pwd)/x.exr", "`pwd`/x.exr", "$env:SHOT/x.exr", "!SHOT!/x.exr", "~/render v2/x.####.exr"),
+        *("[getenv SHOT]/x.exr", "a/[value root.name].exr", "${SHOT:-x}/a.exr"),
     ],
 )
 @pytest.mark.skipif(os.name == "nt", reason="some are paths there")
@@ -62,7 +66,22 @@ def test_what_only_a_shell_or_windows_understands_is_refused_with_a_hint(name: s
 
 
 @pytest.mark.parametrize(
-    "name", ["~x.exr", "a~/x.exr", "cash$.exr", "a.$F4.exr", "a.$F.exr", "100%done.exr", "a.%04d.exr"]
+    "name",
+    [
+        "~x.exr",
+        "a~/x.exr",
+        "cash$.exr",
+        "a.$F4.exr",
+        "a.$F.exr",
+        "100%done.exr",
+        "a.%04d.exr",
+        "wow!.exr",
+        "a!b.exr",
+        "[v2].exr",
+        "take(1).exr",
+        "take:1.exr",
+        "file.exr",
+    ],
 )
 def test_names_that_mean_themselves(name: str) -> None:
     refuse_shell_words(name)

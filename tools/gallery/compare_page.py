@@ -14,10 +14,13 @@ GOAL_JAG = 7.0
 HEAD = """\
 # Side by side
 
-What flowabs makes of five pictures, beside what the paper compares itself with and what OpenCV has. All of it again:
+What flowabs makes of five pictures, beside what the paper compares itself with and what OpenCV has. All of it again
+(it needs OpenCV: `pip install 'flowabs-nodes[compare]'`):
 
-    pip install 'flowabs-nodes[compare]'
-    python -m tools.gallery.compare
+<!-- not run: minutes of measuring -->
+```sh
+python -m tools.gallery.compare
+```
 
 [Pictures](../pictures/README.md) are shown, and measured, at the 540 lines that the shipped graphs are meant for:
 `raccoon` is made smaller, the others larger. Every number on this page is in [numbers.json](numbers.json).

@@ -21,8 +21,17 @@ drawn by code. Parameters are the paper's as printed, its default values where i
 need others and print few, have our own beside the printed ones. Captions name what the graph ran with, and numbers in
 captions are measured on the very pictures shown.
 
-    python -m tools.gallery                 # all of it again
-    python -m tools.gallery --only fig07    # one sheet
+One sheet of it again, and all of it:
+
+<!-- in a clone -->
+```sh
+python -m tools.gallery --only fig07
+```
+
+<!-- not run: a minute and more; the tests make each sheet's graph run, in the blocks below -->
+```sh
+python -m tools.gallery
+```
 
 Figs. 14 and 21 need OpenCV: `pip install 'flowabs-nodes[compare]'`.
 
@@ -44,7 +53,10 @@ TAIL = """\
 **Here:** so it does, on one thread; the plot has the fits, and [the numbers](fig23.json) are beside it. The full
 bilateral filter grows with the square.
 
-    python -m tools.gallery.speed --json docs/gallery/fig23.json --svg docs/gallery/fig23.svg
+<!-- not run: minutes of measuring -->
+```sh
+python -m tools.gallery.speed --json docs/gallery/fig23.json --svg docs/gallery/fig23.svg
+```
 
 Figs. 2, 6 and 15 of the paper are diagrams, Fig. 22 shows its test pictures. [Side by side](../compare/README.md)
 has our lines and flat colour beside other methods on five pictures, with numbers.
@@ -76,7 +88,10 @@ def section(sheet: Rendered) -> str:
 
 **Here:** {text.see}
 
-    flowabs run {figure.name} -i {_input(figure)} -o {figure.name}.exr{f"    # layers: {layers}" if layers else ""}
+<!-- in a clone -->
+```sh
+flowabs run {figure.name} -i {_input(figure)} -o {figure.name}.exr{f"    # layers: {layers}" if layers else ""}
+```
 """
 
 
