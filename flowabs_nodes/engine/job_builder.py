@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 
 from flowabs_nodes.color.config import config
 from flowabs_nodes.engine.frame_numbers import frame_numbers
@@ -12,6 +13,7 @@ from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.options import PathLike, RunOptions
 from flowabs_nodes.engine.plan import file_role, make_plan, sinks
 from flowabs_nodes.engine.sources import file_of, reads_pictures
+from flowabs_nodes.engine.unit_params import UnitParams, inputs_on_any_frame
 from flowabs_nodes.errors import CommandError, ReadError, WriteError
 from flowabs_nodes.graph.model import Graph
 from flowabs_nodes.graph.overrides import override
@@ -44,7 +46,8 @@ def build_job(graph: Graph, options: RunOptions) -> tuple[Job, tuple[int, ...]]:
     if not writes:
         hint = "graph.run(...) gives its images in Python"
         raise CommandError("the graph has no write node", code="no-write", hint=hint)
-    steps = make_plan(graph, 1, sinks=writes)
+    needs = partial(inputs_on_any_frame, graph, params=UnitParams(graph))
+    steps = make_plan(graph, 1, sinks=writes, inputs_of=needs)
     reads = [step.unit.node for step in steps if file_role(graph, step.unit.node) == "input"]
     with _as_command_errors():
         inputs = [Sequence.to_read(file_of(graph, name, values[name])) for name in reads]

@@ -44,9 +44,12 @@ def has_lengths(declaration: Node) -> bool:
 
 
 def scale_lengths(
-    declaration: Node, params: Mapping[str, Any], factor: float
+    declaration: Node, params: Mapping[str, Any], factor: float, run_scale: float | None = None
 ) -> tuple[dict[str, Any], tuple[Note, ...]]:
     """Multiply lengths by ``factor``, divide quantities per pixel by it, and say what to warn of.
+
+    Sizes of pictures, which no reference size changes, are multiplied by ``run_scale``, the ``--scale`` of the run
+    (``factor`` without it).
 
     A scaled value outside the parameter's hard range becomes the range's end, with a warning. Scaling shortens no
     length below the parameter's ``floor``, and warns where it would: a line filter of a fraction of a pixel sees no
@@ -62,6 +65,10 @@ def scale_lengths(
     warnings = []
     for name, param in declaration.all_params.items():
         value = scaled.get(name)
+        if param.scales and isinstance(value, list | tuple):
+            by = factor if not param.of_run or run_scale is None else run_scale
+            scaled[name] = value if by == 1 else [each * by for each in value]
+            continue
         if not param.scales or factor == 1 or isinstance(value, bool) or not isinstance(value, int | float):
             continue
         wanted = value * factor**param.scales

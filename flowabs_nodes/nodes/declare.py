@@ -26,10 +26,10 @@ output) or a dict from output name to Image. It must not change its inputs.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal
 
 from flowabs_nodes.choices import readable
 from flowabs_nodes.errors import ArgumentError, nearest
@@ -45,13 +45,18 @@ class Port:
     """Declares an input or output.
 
     ``types`` is one port type, several joined by "|" (an input that takes each of them as it is), "any", or, for an
-    output, ``"=name"``: of the same type as the input of that name.
+    output, ``"=name"``: of the same type as the input of that name. ``"=one|other"`` is the type among those of these
+    inputs that all of them may be used as: color for a color and a matte.
+
+    An input must be on the data window of the node's first one. One that may be ``cut`` need not: it is cut to that
+    window, and its type's value for outside where it has no pixels, if it is of a picture of the same size.
     """
 
     name: str
     types: str
     help: str
     optional: bool = False
+    cut: bool = False
 
     @property
     def accepts(self) -> tuple[str, ...]:
@@ -61,9 +66,14 @@ class Port:
         return () if self.types.startswith("=") else tuple(self.types.split("|"))
 
     @property
+    def follows(self) -> tuple[str, ...]:
+        """Return the names of the inputs whose type this output has; none for all other ports."""
+        return tuple(self.types[1:].split("|")) if self.types.startswith("=") else ()
+
+    @property
     def same_as(self) -> str | None:
-        """Return the name of the input whose type this output has; None for all other ports."""
-        return self.types[1:] if self.types.startswith("=") else None
+        """Return the name of the first input whose type this output has; None for all other ports."""
+        return self.follows[0] if self.follows else None
 
     def takes(self, port_type: str) -> str | None:
         """Return the type that an image of ``port_type`` has inside the node, or None if it may not be connected."""
@@ -89,7 +99,9 @@ class Context:
     services: Any = None
 
 
-MASK = Port("mask", "matte", "Where the result replaces the input: 1 there, 0 the input stays.", optional=True)
+MASK = Port(
+    "mask", "matte", "Where the result replaces the input: 1 there, 0 the input stays.", optional=True, cut=True
+)
 MIX = Param.float("mix", 1.0, min=0.0, max=1.0, soft=(0, 1), help="How much of the result goes over the input.")
 
 
@@ -101,9 +113,17 @@ class Node:
     see, by default made of ``type``; ``category`` says where a menu lists the node: a word of
     :data:`flowabs_nodes.choices.CATEGORIES`, or a text of its own. ``help`` is one line, ``doc`` what more there is to
     say. A node whose first output is of the type of its input ``image`` also takes ``mask`` and
-    ``mix``; the engine blends, so ``run`` never sees them. ``extra_inputs`` is the port of all inputs under names that
-    the graph makes up (``write``'s layers). ``upgrades`` maps an older version to a function from that version's
-    parameters to the next one's.
+    ``mix``; the engine blends, so ``run`` never sees them. ``over`` names another input that the result goes over.
+    ``extra_inputs`` is the port of all inputs under names that the graph makes up (``write``'s layers). ``upgrades``
+    maps an older version to a function from that version's parameters to the next one's.
+
+    ``windows`` says on which data window a node works. "first": on that of its first input, whose windows its outputs
+    have. "union": on the smallest window that holds those of all inputs; what was not there is transparent. "own":
+    inputs come as they are, and outputs have the windows that the node gives them. ``converts`` says that the result is
+    in another colour space than the input. A node of windows of its own, or that converts, has neither mask nor mix.
+
+    ``needs(params)`` returns the names of the inputs that the node needs with these parameters. All others are neither
+    computed nor read, and no part of the key; ``run`` gets None for them. Without it every connected input is needed.
 
     ``frames(params)`` returns, for each input that the node reads on other frames too, their offsets from its own
     frame, such as ``{"image": (-2, -1, 0, 1, 2)}``: different whole numbers from -64 to 64, 0 among them
@@ -133,6 +153,10 @@ class Node:
     label: str = ""
     category: str = "utility"
     extra_inputs: Port | None = None
+    over: str = "image"
+    windows: Literal["first", "union", "own"] = "first"
+    converts: bool = False
+    needs: Callable[[Mapping[str, Any]], Collection[str]] | None = field(default=None, hash=False)
     frames: Callable[[Mapping[str, Any]], Mapping[str, tuple[int, ...]]] | None = field(default=None, hash=False)
     region: Callable[[Mapping[str, Any], Window], Mapping[str, Window]] | None = field(default=None, hash=False)
     upgrades: Mapping[int, Callable[[dict[str, Any]], dict[str, Any]]] = field(default_factory=dict, hash=False)
@@ -168,13 +192,15 @@ class Node:
     @cached_property
     def mixes(self) -> bool:
         """Return True for a node that takes an image and gives one: it has ``mask`` and ``mix``."""
-        image = next((port for port in self.inputs if port.name == "image"), None)
+        image = next((port for port in self.inputs if port.name == self.over), None)
         first = self.outputs[0] if self.outputs else None
         return (
             image is not None
             and not image.optional
+            and not self.converts
+            and self.windows != "own"
             and first is not None
-            and (first.same_as == "image" or (first.types == "color" and image.types == "color"))
+            and (self.over in first.follows or (first.types == "color" and image.types == "color"))
         )
 
     @cached_property
@@ -215,6 +241,23 @@ class Node:
         declared = self.all_params
         conditions = declared[name].enabled_when.items()
         return all(params.get(switch, declared[switch].default) in values for switch, values in conditions)
+
+    def needed(self, inputs: Iterable[str], params: Mapping[str, Any]) -> tuple[str, ...]:
+        """Return those of ``inputs``, names of inputs that are connected, that the node needs with all its ``params``.
+
+        Raises ArgumentError, code missing-input, where the node needs one that is not among them.
+        """
+        if self.needs is None:
+            return tuple(inputs)
+        asked, connected = self.needs(params), tuple(inputs)
+        for name in asked:
+            if name not in connected:
+                raise ArgumentError(
+                    f"input {name!r}, which these parameters choose, is not connected",
+                    code="missing-input",
+                    hint=f"connected: {', '.join(connected) or 'none'}",
+                )
+        return tuple(name for name in connected if name in asked or self.input(name) is None)
 
     def defaults(self) -> dict[str, Any]:
         """Return the default of every parameter that has one, by name."""

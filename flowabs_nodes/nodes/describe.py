@@ -97,7 +97,9 @@ def outputs(node: Node) -> list[tuple[str, str, str]]:
 
 
 def _types(port: Port) -> str:
-    return f"as {port.same_as}" if port.same_as else "any" if port.types == "any" else port.types.replace("|", " or ")
+    if port.follows:
+        return f"as {' and '.join(port.follows)}"
+    return "any" if port.types == "any" else port.types.replace("|", " or ")
 
 
 def facts(node: Node) -> str:

@@ -76,19 +76,23 @@ def takes_every_type(node: Node) -> None:
 
 
 def keeps_windows_and_metadata(node: Node) -> None:
-    """Check that windows, origin, metadata and colour space of the first input are the outputs' too."""
+    """Check that windows, origin, metadata and colour space of the first input are the outputs' too.
+
+    A node that declares windows of its own, or that it converts, may change these.
+    """
     inputs = inputs_of(node, "alpha")
     if not inputs:
         return
     first = next(iter(inputs.values()))
     for name, image in run_node(node, inputs).items():
-        for what in ("data_window", "display_window", "origin"):
+        windows = ("data_window", "display_window") if node.windows != "own" else ()
+        for what in (*windows, "origin"):
             found, expected = getattr(image, what), getattr(first, what)
             require(found == expected, f"output {name!r}: {what} {found}, its input's is {expected}")
         for attribute in first.spec.extra_attribs:
             found = image.spec.getattribute(attribute.name)
             require(found == attribute.value, f"output {name!r}: metadata {attribute.name!r} is {found!r}")
-        if image.type == first.type == "color":
+        if image.type == first.type == "color" and not node.converts:
             require(image.colorspace == first.colorspace, f"output {name!r}: colour space {image.colorspace}")
 
 
@@ -152,14 +156,14 @@ def mixes(node: Node) -> None:
 
     Of what has no mean, such as ids, each pixel at 0.5 must be the input's or the result's.
     """
-    port = node.all_inputs["image"]
-    for kind in port.accepts:
-        _mixes(node, inputs_of(node, "alpha") | {"image": make_input(kind, "alpha", 20, 24)})
+    alike = node.outputs[0].follows or (node.over,)
+    for kind in node.all_inputs[node.over].accepts:
+        _mixes(node, inputs_of(node, "alpha") | {name: make_input(kind, "alpha", 20, 24) for name in alike})
 
 
 def _mixes(node: Node, inputs: dict[str, Image]) -> None:
     """Check mask and mix on these inputs."""
-    image, first = inputs["image"], node.outputs[0].name
+    image, first = inputs[node.over], node.outputs[0].name
     full = run_node(node, inputs)[first]
     require(equal(run_node(node, inputs, {"mix": 0})[first], image), "mix 0 must give the input")
     half = np.zeros(image.pixels.shape[:2], np.float32)
