@@ -136,7 +136,7 @@ MERGE_OPERATIONS = Choices(
         "screen": "A + B - A B where both are 0 to 1, else the larger",
         "min": "the smaller of A and B",
         "max": "the larger of A and B",
-        "difference": "|A - B|",
+        "difference": "the distance of A and B",
         "mask": "B a",
         "stencil": "B(1 - a)",
     }

@@ -12,6 +12,7 @@ from flowabs_nodes.choices import FITS, RESIZE_FILTERS
 from flowabs_nodes.comp.resizing import between, fitted, rounded
 from flowabs_nodes.image import Image, Window
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
+from flowabs_nodes.nodes.regions import pixelwise
 
 _LONGEST = 65535  # of a side; together at most as many pixels as four 16K frames have
 _MOST = 2**29
@@ -80,6 +81,7 @@ CONSTANT = Node(
         _size((1920, 1080), "Width and height without `like`; follows --scale."),
     ),
     run=run_constant,
+    region=pixelwise("like"),
 )
 
 
@@ -145,6 +147,7 @@ CROP = Node(
     ),
     run=run_crop,
     windows="own",
+    region=pixelwise("image"),
 )
 
 
