@@ -9,7 +9,7 @@ because the display window does.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from flowabs_nodes.engine.report import Note
@@ -49,7 +49,7 @@ def scale_lengths(
     """Multiply lengths by ``factor``, divide quantities per pixel by it, and say what to warn of.
 
     Sizes of pictures, which no reference size changes, are multiplied by ``run_scale``, the ``--scale`` of the run
-    (``factor`` without it).
+    (``factor`` without it), and stay whole.
 
     A scaled value outside the parameter's hard range becomes the range's end, with a warning. Scaling shortens no
     length below the parameter's ``floor``, and warns where it would: a line filter of a fraction of a pixel sees no
@@ -66,8 +66,7 @@ def scale_lengths(
     for name, param in declaration.all_params.items():
         value = scaled.get(name)
         if param.scales and isinstance(value, list | tuple):
-            by = factor if not param.of_run or run_scale is None else run_scale
-            scaled[name] = value if by == 1 else [each * by for each in value]
+            scaled[name] = _scaled_list(param, value, factor if run_scale is None or not param.of_run else run_scale)
             continue
         if not param.scales or factor == 1 or isinstance(value, bool) or not isinstance(value, int | float):
             continue
@@ -88,6 +87,15 @@ def scale_lengths(
             text = thin + "lines change with the picture's size"
             warnings.append(Note(text, warning=True, once=name))
     return scaled, tuple(warnings)
+
+
+def _scaled_list(param: Param, values: Sequence[float], factor: float) -> Sequence[float]:
+    """Return a list of lengths times ``factor``; the sides of a picture, which are whole, are at least 1."""
+    if factor == 1:
+        return values
+    if param.of_run:
+        return [max(1, math.floor(value * factor + 0.5)) for value in values]
+    return [value * factor**param.scales for value in values]
 
 
 def _within(param: Param, value: float) -> float:

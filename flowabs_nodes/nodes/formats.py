@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from flowabs_nodes.choices import FITS, RESIZE_FILTERS
-from flowabs_nodes.comp.resizing import between, fitted, rounded
+from flowabs_nodes.comp.resizing import between, fitted
 from flowabs_nodes.image import Image, Window
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
 from flowabs_nodes.nodes.regions import pixelwise
@@ -53,13 +53,8 @@ def _size(default: tuple[int, int], help: str) -> Param:
     )
 
 
-def _whole(size: Sequence[float]) -> tuple[int, int]:
-    """Return a size that ``--scale`` may have left between whole pixels."""
-    return max(1, rounded(size[0])), max(1, rounded(size[1]))
-
-
-def run_constant(context: Context, like: Image | None, *, color: tuple[float, ...], size: Sequence[float]) -> Image:
-    width, height = (like.data_window[2:]) if like is not None else _whole(size)
+def run_constant(context: Context, like: Image | None, *, color: tuple[float, ...], size: Sequence[int]) -> Image:
+    width, height = like.data_window[2:] if like is not None else size
     pixels = np.full((height, width, 3), color, np.float32)
     return Image.from_array(pixels) if like is None else like.with_pixels(pixels, "color")
 
@@ -151,8 +146,8 @@ CROP = Node(
 )
 
 
-def run_reformat(context: Context, image: Image, *, size: Sequence[float], filter: str, fit: str) -> Image:
-    return fitted(image, *_whole(size), fit, filter)
+def run_reformat(context: Context, image: Image, *, size: Sequence[int], filter: str, fit: str) -> Image:
+    return fitted(image, size[0], size[1], fit, filter)
 
 
 REFORMAT = Node(

@@ -38,7 +38,9 @@ def test_one_channel_is_grey_and_can_be_an_alpha(kind):
     result = shuffled(grey, None, {})
     assert result.channels == ("R", "G", "B")
     np.testing.assert_array_equal(result.pixels, np.repeat(grey.pixels, 3, axis=2))
-    np.testing.assert_array_equal(shuffled(Image.from_array(rgba()), grey, {"A": "other.Y"}).pixels[..., 3:], grey.pixels)
+    np.testing.assert_array_equal(
+        shuffled(Image.from_array(rgba()), grey, {"A": "other.Y"}).pixels[..., 3:], grey.pixels
+    )
 
 
 @pytest.mark.parametrize(
