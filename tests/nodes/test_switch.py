@@ -17,6 +17,7 @@ from flowabs_nodes.port_types import TYPES
 from flowabs_nodes.testing.pictures import make_input
 from tests.comp.pictures import noise
 from tests.engine.sequences import plate, plates, statuses
+from tests.engine.windows import MEAN, asking, load
 
 
 def document(which, **more):
@@ -92,6 +93,41 @@ def test_every_type_comes_through(kind):
 def test_inputs_need_not_be_of_one_size():
     images = {"a": Image.from_array(noise(5, 7, 3)), "b": Image.from_array(noise(9, 4, 4))}
     assert call_node(SWITCH, Context(), images, {"which": 1})["image"].data_window == (0, 0, 4, 9)
+
+
+# ---------------------------------------------------------------------- before a node that reads other frames
+
+
+def test_a_window_of_frames_reads_the_branch_that_is_chosen_on_each(tmp_path):
+    """On frame 2 the switch is at a, from 3 on at b: neither a's missing frame 3 nor b's missing frame 2 matters."""
+    for frame in (1, 2, 4):
+        plate(tmp_path / f"one.{frame:04d}.exr", seed=frame)
+    for frame in (1, 3, 4):
+        plate(tmp_path / f"two.{frame:04d}.exr", seed=10 + frame)
+    seen = {}
+
+    def run(context, image, *, radius):
+        seen[context.frame] = [context.frame + offset for offset in image]
+        return MEAN.run(context, image, radius=radius)
+
+    nodes = {
+        "one": {"type": "read@1", "params": {"file": str(tmp_path / "one.####.exr")}},
+        "two": {"type": "read@1", "params": {"file": str(tmp_path / "two.####.exr")}},
+        "pick": {
+            "type": "switch@1",
+            "inputs": {"a": "one", "b": "two"},
+            "params": {"which": {"curve": {"2": 0, "3": 1}}},
+        },
+        "mean": {"type": "mean@1", "inputs": {"image": "pick"}, "params": {"radius": 1}},
+        "out": {"type": "write@1", "inputs": {"image": "mean"}},
+    }
+    together = load(nodes, asking(MEAN.frames, run))
+    report = engine.run(together, output=tmp_path / "out.####.exr", frames=[2, 3, 4])
+    assert statuses(report) == [(2, "done"), (3, "done"), (4, "done")]
+    assert seen == {2: [1, 2, 3], 3: [2, 3, 4], 4: [3, 4]}
+    alone = together.run(3, outputs="mean")["mean"].pixels
+    taken = [together.run(frame, outputs="pick")["pick"].pixels for frame in (2, 3, 4)]
+    np.testing.assert_allclose(alone, np.mean(taken, axis=0), rtol=1e-5)
 
 
 # ---------------------------------------------------------------------- what is wrong
