@@ -23,7 +23,7 @@ def check_picture_size(name: str, image: Image, expected: Image, first: str) -> 
     raise FlowabsError(
         f"input {name!r} is of a picture of {found.width}x{found.height}, but input {first!r} of {size}",
         code="window-mismatch",
-        hint=f"resize the {name if name == 'mask' else 'one'} to {size}, as reformat does; "
+        hint=f"resize the {name} to {size} (reformat); "
         "one of a part of the picture needs the display window of the whole",
     )
 

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 from flowabs_nodes import color
-from flowabs_nodes.color.spaces import ColorSpace, convert
+from flowabs_nodes.color.spaces import ColorSpace, convert, known
 from flowabs_nodes.comp.buffers import finite
 from flowabs_nodes.errors import ArgumentError, ColorError
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
 from flowabs_nodes.nodes.regions import pixelwise
+
+EXPECTED = "the name of a scene-linear colour space, such as ACEScg"
+ELSEWHERE = "pictures are scene-linear inside a graph; write.colorspace encodes, read.colorspace decodes"
 
 
 def run_colorspace(context: Context, image: Image, **spaces: str) -> Image:
@@ -26,10 +32,38 @@ def _linear(name: str, parameter: str, ocio: str | None) -> ColorSpace:
     try:
         return color.space(name, ocio)
     except ColorError as error:
-        hint = error.hint
-        if "not scene-linear" in error.message:
-            hint = "pictures are scene-linear inside a graph: write.colorspace encodes, read.colorspace decodes"
+        hint = ELSEWHERE if _is_encoding(name, ocio) else error.hint
         raise ArgumentError(error.message, hint=hint, parameter=parameter) from error
+
+
+def _is_encoding(name: str, ocio: str | None = None) -> bool:
+    """Return True for the name of what is no scene-linear colour: a screen's encoding, a camera's log, data."""
+    if known(name) is not None:
+        return False
+    from flowabs_nodes.color.named import find  # imports OpenColorIO, which known spaces do not need
+
+    try:
+        return find(name, ocio).kind != "linear"
+    except ColorError:
+        return False
+
+
+def _wrong_name(value: Any) -> str | None:
+    """Return what is wrong with the name of a space; None where nothing is, or where the run's config may know it."""
+    if not isinstance(value, str):
+        return EXPECTED
+    return f"{EXPECTED}: {ELSEWHERE}" if value and _is_encoding(value) else None
+
+
+def _wrong_target(value: Any) -> str | None:
+    """Return what is wrong with the name of the space to convert to, which must be one."""
+    return _wrong_name(value) or (None if value else EXPECTED)
+
+
+def _space(name: str, default: str, parse: Callable[[Any], str | None], examples: list[str], help: str) -> Param:
+    """Return a parameter that is the name of a scene-linear space."""
+    schema = {"description": EXPECTED, "type": "string", "examples": examples}
+    return Param.custom(name, default, schema=schema, parse=parse, help=help)
 
 
 COLORSPACE = Node(
@@ -46,14 +80,15 @@ COLORSPACE = Node(
     inputs=(Port("image", "color", "The picture."),),
     outputs=(Port("image", "color", "The picture in the other space."),),
     params=(
-        Param.string(
+        _space(
             "from",
             "",
-            examples=("lin_rec709", "lin_ap0_scene"),
-            help='The space that the numbers are in: "" the picture\'s own, another name takes them as that.',
+            _wrong_name,
+            ["lin_rec709", "lin_ap0_scene"],
+            'The space that the numbers are in: "" the picture\'s own, another name takes them as that.',
         ),
-        Param.string(
-            "to", "lin_rec709", examples=("ACEScg", "lin_rec2020"), help="The space to convert to, such as ACEScg."
+        _space(
+            "to", "lin_rec709", _wrong_target, ["ACEScg", "lin_rec2020"], "The space to convert to, such as ACEScg."
         ),
     ),
     run=run_colorspace,

@@ -97,8 +97,10 @@ def outputs(node: Node) -> list[tuple[str, str, str]]:
 
 
 def _types(port: Port) -> str:
+    if len(port.follows) > 2:
+        return f"as {port.follows[0]} to {port.follows[-1]}, the widest"
     if port.follows:
-        return f"as {' and '.join(port.follows)}"
+        return "as " + ", or ".join(port.follows) + ", the wider" * (len(port.follows) > 1)
     return "any" if port.types == "any" else port.types.replace("|", " or ")
 
 

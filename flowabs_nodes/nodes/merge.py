@@ -23,11 +23,11 @@ MERGE = Node(
         "Pictures, monos and mattes go together: two mattes make a matte, which is kept within 0 to 1, else the "
         "result is of the wider type. So the drawings of two line nodes, 1 paper and 0 ink, are joined by `min` or "
         "`multiply`. Alpha goes by the formula of the colours, so that minus makes two opaque pictures transparent. "
-        "A picture without alpha is opaque. A matte is its own alpha in over, under, mask and stencil; in the others "
-        "it is grey and opaque, so that multiply darkens a picture and makes no hole in it. The result has the data "
-        "windows of both, the display window and the metadata of B; display windows must be of one size "
-        "(`reformat`). A is brought to B's colour space. Nothing is clamped. mask and mix lay the result over B, as "
-        "in Nuke."
+        "A picture without alpha is opaque inside of its data window; a mono is too, and black beyond it. A matte is "
+        "its own alpha in over, under, mask and stencil; in the others it is grey and opaque, so that multiply "
+        "darkens a picture and makes no hole in it. The result has the data windows of both, the display window and "
+        "the metadata of B; display windows must be of one size (`reformat`). A is brought to B's colour space. "
+        "Nothing is clamped. mask and mix lay the result over B, as in Nuke."
     ),
     inputs=(
         Port("B", "color|mono|matte", "The background."),

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from flowabs_nodes import graph
 from flowabs_nodes.color import detect
 from flowabs_nodes.color.spaces import KNOWN, between
 from flowabs_nodes.engine.call_node import call_node
@@ -46,10 +47,30 @@ def test_it_has_neither_mask_nor_mix():
 @pytest.mark.parametrize("parameter", ["from", "to"])
 @pytest.mark.parametrize("name", ["sRGB", "ACEScct", "arri_logc3_ei800"])
 def test_encodings_are_refused_and_pointed_to_write(parameter, name):
-    with pytest.raises(ArgumentError, match="not scene-linear") as failure:
+    with pytest.raises(ArgumentError, match=r"is not the name of a scene-linear .* write\.colorspace") as failure:
         call_node(COLORSPACE, Context(), {"image": Image.from_array(rgba())}, {parameter: name})
     assert failure.value.parameter == parameter
-    assert "write.colorspace" in failure.value.hint
+
+
+def test_check_finds_an_encoding_before_the_first_frame():
+    node = {"type": "colorspace@1", "inputs": {"image": "plate"}, "params": {"to": "sRGB"}}
+    document = {"format": "flowabs.graph/1", "nodes": {"plate": {"type": "read@1"}, "screen": node}}
+    (problem,) = graph.check(document)
+    assert (problem.code, problem.pointer) == ("bad-value", "/nodes/screen/params/to")
+    assert "write.colorspace" in problem.expected
+
+
+@pytest.mark.parametrize("value", ["", 5, None, "Raw"])
+def test_what_is_no_name_of_a_space_to_convert_to(value):
+    assert COLORSPACE.all_params["to"].problem(value)[0] == "bad-value"
+
+
+def test_a_space_of_another_config_is_looked_up_by_the_run():
+    """The graph is good, whatever the pinned config knows; the run says what its own config has not."""
+    assert COLORSPACE.all_params["to"].problem("my_studio_linear") is None
+    with pytest.raises(ArgumentError, match="has no colour space 'my_studio_linear'") as failure:
+        call_node(COLORSPACE, Context(), {"image": Image.from_array(rgba())}, {"to": "my_studio_linear"})
+    assert failure.value.parameter == "to"
 
 
 def test_an_unknown_name_has_the_nearest():
