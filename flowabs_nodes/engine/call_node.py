@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from flowabs_nodes.engine.data_windows import check_picture_size, on_union, with_alpha
+from flowabs_nodes.engine.data_windows import check_picture_size, on_display, on_union, with_alpha
 from flowabs_nodes.engine.error_boundary import error_boundary
 from flowabs_nodes.engine.window_inputs import NodeInputs, join_windows
 from flowabs_nodes.errors import ArgumentError, FlowabsError, nearest
@@ -103,6 +103,8 @@ def fit_inputs(declaration: Node, inputs: Mapping[str, Image]) -> dict[str, Imag
     first = next(iter(declared), None)
     if first is None or declaration.windows == "own":
         return images
+    if declaration.windows == "display":
+        images[first] = on_display(images[first])
     if declaration.windows == "union":
         images |= on_union({name: image for name, image in images.items() if not ports[name].cut})
     window = images[first].data_window

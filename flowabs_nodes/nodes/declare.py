@@ -118,7 +118,9 @@ class Node:
     maps an older version to a function from that version's parameters to the next one's.
 
     ``windows`` says on which data window a node works. "first": on that of its first input, whose windows its outputs
-    have. "union": on the smallest window that holds those of all inputs; what was not there is transparent. "own":
+    have. "display": on one that also holds the display window, where the first input is a mono or a matte, whose 0
+    beyond its data window is to become something else. "union": on the smallest window that holds those of all inputs;
+    what was not there is transparent. "own":
     inputs come as they are, and outputs have the windows that the node gives them. ``converts`` says that the result is
     in another colour space than the input. A node of windows of its own, or that converts, has neither mask nor mix.
 
@@ -154,7 +156,7 @@ class Node:
     category: str = "utility"
     extra_inputs: Port | None = None
     over: str = "image"
-    windows: Literal["first", "union", "own"] = "first"
+    windows: Literal["first", "display", "union", "own"] = "first"
     converts: bool = False
     needs: Callable[[Mapping[str, Any]], Collection[str]] | None = field(default=None, hash=False)
     frames: Callable[[Mapping[str, Any]], Mapping[str, tuple[int, ...]]] | None = field(default=None, hash=False)

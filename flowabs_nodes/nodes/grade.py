@@ -57,7 +57,8 @@ INVERT = Node(
     help="Inverts: 1 - x, and of a picture with alpha alpha - x.",
     doc=(
         "alpha - x is 1 - x of the colour divided by alpha, premultiplied again: what is transparent stays black. "
-        "Alpha itself stays unless it is named. A matte that is inverted masks the other part."
+        "Alpha itself stays unless it is named. A matte that is inverted masks the other part, and is 1 where it had "
+        "no pixels: its data window grows to the display window."
     ),
     inputs=(Port("image", "color|mono|matte", "What to invert."),),
     outputs=(Port("image", "=image", "The inverted image."),),
@@ -70,5 +71,6 @@ INVERT = Node(
         ),
     ),
     run=run_invert,
+    windows="display",
     region=pixelwise("image"),
 )

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import tempfile
+from collections.abc import Mapping
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -164,14 +166,19 @@ def mixes(node: Node) -> None:
 def _mixes(node: Node, inputs: dict[str, Image]) -> None:
     """Check mask and mix on these inputs."""
     image, first = inputs[node.over], node.outputs[0].name
-    full = run_node(node, inputs)[first]
-    require(equal(run_node(node, inputs, {"mix": 0})[first], image), "mix 0 must give the input")
+
+    def result(inputs: Mapping[str, Image], params: Mapping[str, Any]) -> Image:
+        """Return the node's first output on the input's data window, which it may reach beyond."""
+        return run_node(node, inputs, params)[first].on_window(image.data_window)
+
+    full = result(inputs, {})
+    require(equal(result(inputs, {"mix": 0}), image), "mix 0 must give the input")
     half = np.zeros(image.pixels.shape[:2], np.float32)
     half[:, ::2] = 1
-    masked = run_node(node, inputs | {MASK.name: image.with_pixels(half, "matte")})[first].pixels
+    masked = result(inputs | {MASK.name: image.with_pixels(half, "matte")}, {}).pixels
     require(np.array_equal(masked[:, ::2], full.pixels[:, ::2]), "where the mask is 1 the result must stand")
     require(np.array_equal(masked[:, 1::2], image.pixels[:, 1::2]), "where the mask is 0 the input must stand")
-    between = run_node(node, inputs, {"mix": 0.5})[first].pixels
+    between = result(inputs, {"mix": 0.5}).pixels
     if not pixel_type(full.type).blends:
         either = (between == image.pixels) | (between == full.pixels)
         require(bool(either.all()), f"mix 0.5 of {full.type} must be the input's value or the result's")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flowabs_nodes.engine.call_node import call_node
-from flowabs_nodes.engine.data_windows import on_union, with_alpha
+from flowabs_nodes.engine.data_windows import on_display, on_union, with_alpha
 from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.image import Image, Window
 from flowabs_nodes.nodes.declare import Context, Node, Port
@@ -63,3 +63,12 @@ def test_one_of_a_picture_of_another_size_is_refused():
     image, other = Image.from_array(np.zeros((3, 3, 3))), Image.from_array(np.ones((4, 4)))
     with pytest.raises(FlowabsError, match="input 'other' is of a picture of 4x4, but input 'image' of 3x3"):
         call_node(ADDED, Context(), {"image": image, "other": other}, {})
+
+
+def test_a_matte_reaches_its_display_window_and_a_picture_stays():
+    matte = at(Image.from_array(np.ones((2, 3)), type="matte"), -1, 2, 8, 6)
+    assert on_display(matte).data_window == Window(-1, 0, 9, 6)
+    assert on_display(matte).pixels.sum() == 6
+    for kind, pixels in (("color", rgba()), ("depth", np.ones((2, 2)))):
+        image = at(Image.from_array(pixels, type=kind), 1, 1)
+        assert on_display(image) is image
