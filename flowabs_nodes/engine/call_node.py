@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from flowabs_nodes.engine.data_windows import check_picture_size, on_display, on_union, with_alpha
+from flowabs_nodes.engine.data_windows import around, check_picture_size, on_display, on_union, with_alpha
 from flowabs_nodes.engine.error_boundary import error_boundary
 from flowabs_nodes.engine.window_inputs import NodeInputs, join_windows
 from flowabs_nodes.errors import ArgumentError, FlowabsError, nearest
@@ -21,11 +21,12 @@ from flowabs_nodes.port_types import pixel_type, widest
 def call_node(declaration: Node, context: Context, inputs: NodeInputs, params: Mapping[str, Any]) -> dict[str, Image]:
     """Compute the outputs of one node that ``context.wanted`` names; all, where it names none.
 
-    Inputs are widened to what their port asks for and brought to the data window of the first image input: a mask, of a
-    picture of the same size, and ``write``'s layers are cut, and 0 where they have no pixels; any other input must be
-    on that window already. So are
-    the other frames of an input that the node reads on several, which is given as a dict from frame offset to Image.
-    Parameters that are not given take their default; all are checked. The result goes over the input by mask x mix.
+    Inputs are widened to what their port asks for and brought to the data window that the node works on: of its first
+    input, unless its declaration says else. An input that has more pixels is cut; one that has fewer is an error, but a
+    mask, other inputs that may be cut and ``write``'s layers are 0 where they have no pixels. So are the other frames
+    of an input that the node reads on several, which is given as a dict from frame offset to Image. Inputs that the
+    node does not need with these parameters are left out. Parameters that are not given take their default; all are
+    checked. The result goes over the input by mask x mix.
 
     Returns
     -------
@@ -111,7 +112,7 @@ def fit_inputs(declaration: Node, inputs: Mapping[str, Image]) -> dict[str, Imag
     for name, image in images.items():
         if image.data_window == window:
             continue
-        may_be_cut = name not in declared or ports[name].cut
+        may_be_cut = name not in declared or ports[name].cut or _holds(image, images[first])
         if not may_be_cut:
             raise FlowabsError(
                 f"input {name!r} has the data window {_describe(image.data_window)}, "
@@ -122,6 +123,13 @@ def fit_inputs(declaration: Node, inputs: Mapping[str, Image]) -> dict[str, Imag
             check_picture_size(name, image, images[first], first)
         images[name] = image.on_window(window)
     return images
+
+
+def _holds(image: Image, other: Image) -> bool:
+    """Return whether an image has every pixel of the data window of another one, of pictures of one size."""
+    return around(image.data_window, other.data_window) == image.data_window and (
+        image.display_window == other.display_window
+    )
 
 
 def _widen(declaration: Node, name: str, image: Image) -> Image:

@@ -38,7 +38,7 @@ def on_union(images: Mapping[str, Image]) -> dict[str, Image]:
     first = next(iter(images))
     for name, image in images.items():
         check_picture_size(name, image, images[first], first)
-    union = _around(*(image.data_window for image in images.values()))
+    union = around(*(image.data_window for image in images.values()))
     return {name: image if image.data_window == union else with_alpha(image).on_window(union)
             for name, image in images.items()}  # fmt: skip
 
@@ -47,10 +47,10 @@ def on_display(image: Image) -> Image:
     """Return a mono or a matte on a data window that also holds its display window, any other image as it is."""
     if image.type == "color" or "color" not in pixel_type(image.type).widens_to:
         return image
-    return image.on_window(_around(image.data_window, image.display_window))
+    return image.on_window(around(image.data_window, image.display_window))
 
 
-def _around(*windows: Window) -> Window:
+def around(*windows: Window) -> Window:
     """Return the smallest window that holds all of these."""
     left, top = min(window.x for window in windows), min(window.y for window in windows)
     right, bottom = max(each.x + each.width for each in windows), max(each.y + each.height for each in windows)

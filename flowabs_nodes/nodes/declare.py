@@ -48,8 +48,8 @@ class Port:
     output, ``"=name"``: of the same type as the input of that name. ``"=one|other"`` is the type among those of these
     inputs that all of them may be used as: color for a color and a matte.
 
-    An input must be on the data window of the node's first one. One that may be ``cut`` need not: it is cut to that
-    window, and its type's value for outside where it has no pixels, if it is of a picture of the same size.
+    An input must have all pixels of the data window of the node's first one, to which it is cut. One that may be
+    ``cut`` need not, if it is of a picture of the same size: it is its type's value for outside where it has none.
     """
 
     name: str

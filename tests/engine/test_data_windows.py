@@ -72,3 +72,14 @@ def test_a_matte_reaches_its_display_window_and_a_picture_stays():
     for kind, pixels in (("color", rgba()), ("depth", np.ones((2, 2)))):
         image = at(Image.from_array(pixels, type=kind), 1, 1)
         assert on_display(image) is image
+
+
+def test_an_input_with_more_pixels_is_cut_to_the_first_ones():
+    """An inverted matte reaches its display window, and goes where the matte went."""
+    strict = replace(ADDED, inputs=(ADDED.inputs[0], replace(ADDED.inputs[1], cut=False)))
+    image, other = at(Image.from_array(np.zeros((2, 2, 3))), 3, 1), at(Image.from_array(noise(16, 20)), 0, 0)
+    result = call_node(strict, Context(), {"image": image, "other": other}, {})["image"]
+    np.testing.assert_array_equal(result.pixels[..., :1], other.pixels[1:3, 3:5])
+    proxy = at(Image.from_array(noise(16, 20)), 0, 0, 40, 32)
+    with pytest.raises(FlowabsError, match="input 'other' has the data window 20x16"):
+        call_node(strict, Context(), {"image": image, "other": proxy}, {})
