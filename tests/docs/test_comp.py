@@ -29,7 +29,8 @@ def test_it_has_no_problem():
 
 
 def test_both_pens_draw_where_the_matte_is_and_the_bold_one_elsewhere(images):
-    fine, bold, dark = (images[name].pixels for name in ("fine", "bold", "dark"))
+    window = images["fine"].data_window  # an inverted matte reaches the display window
+    fine, bold, dark = (images[name].on_window(window).pixels for name in ("fine", "bold", "dark"))
     assert images["lines"].type == "matte"
     expected = np.minimum(fine, bold) * dark + bold * (1 - dark)
     np.testing.assert_allclose(images["lines"].pixels, expected, atol=1e-6)
