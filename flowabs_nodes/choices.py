@@ -123,6 +123,50 @@ ORIENTED_KERNELS = Choices(
     }
 )
 
+# ---------------------------------------------------------------------- comps
+
+#: What ``merge`` makes of A, B and their alphas a, b: Nuke's operations and formulas.
+MERGE_OPERATIONS = Choices(
+    {
+        "over": "A + B(1 - a)",
+        "under": "A(1 - b) + B",
+        "plus": "A + B",
+        "minus": "A - B",
+        "multiply": "A B",
+        "screen": "A + B - A B where both are 0 to 1, else the larger",
+        "min": "the smaller of A and B",
+        "max": "the larger of A and B",
+        "difference": "the distance of A and B",
+        "mask": "B a",
+        "stencil": "B(1 - a)",
+    }
+)
+
+#: How ``reformat`` weighs pixels: OpenImageIO's filters.
+RESIZE_FILTERS = Choices(
+    {
+        "blackman-harris": "smooth, without ringing",
+        "lanczos3": "sharp; rings beside highlights",
+        "box": "the mean; whole steps when enlarged",
+        "triangle": "linear between pixels, without ringing",
+        "gaussian": "soft, without ringing",
+        "catmull-rom": "sharp, rings a little",
+        "mitchell": "between soft and sharp, rings a little",
+        "bspline": "softest, without ringing",
+    },
+    {"catmull-rom": "Catmull-Rom", "bspline": "B-spline"},
+)
+
+#: How ``reformat`` puts a picture into another format: OpenImageIO's fill modes of fit, and its resize.
+FITS = Choices(
+    {
+        "letterbox": "as large as fits, the rest transparent",
+        "width": "as wide as the format, whatever its height becomes",
+        "height": "as high as the format, whatever its width becomes",
+        "distort": "stretched to the format",
+    }
+)
+
 # ---------------------------------------------------------------------- files
 
 #: What the alpha of a file means.

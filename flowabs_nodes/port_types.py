@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, Literal
@@ -208,3 +208,9 @@ def pixel_type(name: str) -> PixelType:
     if name not in TYPES:
         raise ArgumentError(f"{name!r} is not a port type", hint=nearest(name, PORT_TYPES), parameter="type")
     return TYPES[name]
+
+
+def widest(names: Iterable[str]) -> str | None:
+    """Return the port type among these that each of the others may be used as; None where there is none."""
+    names = tuple(names)
+    return next((one for one in names if all(name == one or one in TYPES[name].widens_to for name in names)), None)

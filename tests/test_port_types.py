@@ -20,7 +20,7 @@ from flowabs_nodes.io.output_image import build_picture
 from flowabs_nodes.io.write import save
 from flowabs_nodes.nodes.declare import Context, Node, Port
 from flowabs_nodes.nodes.registry import faults
-from flowabs_nodes.port_types import FAR, TYPES, PixelType, pixel_type
+from flowabs_nodes.port_types import FAR, TYPES, PixelType, pixel_type, widest
 from flowabs_nodes.testing import check_node
 from flowabs_nodes.testing.pictures import SCENES, make_input
 
@@ -206,3 +206,18 @@ def test_no_other_module_has_a_table_of_port_types():
 @pytest.mark.parametrize("code", ['x = {"mono": 1, "flow": 2}', 'x = kind in ("flow", "data")', 'x = {"id", "depth"}'])
 def test_a_table_would_be_found(code):
     assert tables(ast.parse(code), set(TYPES)) == [1]
+
+
+@pytest.mark.parametrize(
+    ("names", "found"),
+    [
+        (("matte", "matte"), "matte"),
+        (("matte", "mono"), "mono"),
+        (("mono", "color", "matte"), "color"),
+        (("depth",), "depth"),
+        (("depth", "color"), None),
+        ((), None),
+    ],
+)
+def test_the_widest_of_some_types(names, found):
+    assert widest(names) == found

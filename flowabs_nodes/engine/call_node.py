@@ -9,22 +9,24 @@ from typing import Any
 
 import numpy as np
 
+from flowabs_nodes.engine.data_windows import around, check_picture_size, on_display, on_union, with_alpha
 from flowabs_nodes.engine.error_boundary import error_boundary
 from flowabs_nodes.engine.window_inputs import NodeInputs, join_windows
 from flowabs_nodes.errors import ArgumentError, FlowabsError, nearest
 from flowabs_nodes.image import Image, Window
 from flowabs_nodes.nodes.declare import MASK, MIX, Context, Node
-from flowabs_nodes.port_types import pixel_type
+from flowabs_nodes.port_types import pixel_type, widest
 
 
 def call_node(declaration: Node, context: Context, inputs: NodeInputs, params: Mapping[str, Any]) -> dict[str, Image]:
     """Compute the outputs of one node that ``context.wanted`` names; all, where it names none.
 
-    Inputs are widened to what their port asks for and brought to the data window of the first image input: a mask, of a
-    picture of the same size, and ``write``'s layers are cut, and 0 where they have no pixels; any other input must be
-    on that window already. So are
-    the other frames of an input that the node reads on several, which is given as a dict from frame offset to Image.
-    Parameters that are not given take their default; all are checked. The result goes over the input by mask x mix.
+    Inputs are widened to what their port asks for and brought to the data window that the node works on: of its first
+    input, unless its declaration says else. An input that has more pixels is cut; one that has fewer is an error, but a
+    mask, other inputs that may be cut and ``write``'s layers are 0 where they have no pixels. So are the other frames
+    of an input that the node reads on several, which is given as a dict from frame offset to Image. Inputs that the
+    node does not need with these parameters are left out. Parameters that are not given take their default; all are
+    checked. The result goes over the input by mask x mix.
 
     Returns
     -------
@@ -40,16 +42,20 @@ def call_node(declaration: Node, context: Context, inputs: NodeInputs, params: M
     wanted = context.wanted or frozenset(declaration.all_outputs)
     context = replace(context, node=context.node or declaration.type, wanted=wanted)
     with error_boundary(context.node, context.frame):
-        declaration, inputs = join_windows(declaration, inputs, params)
+        declaration, inputs = join_windows(declaration, _needed(declaration, inputs, params), params)
         images = fit_inputs(declaration, inputs)
         values = check_params(declaration, params)
         if not declaration.mixes:
             return _call(declaration, context, images, values)
         mask, mix = images.pop(MASK.name, None), values.pop(MIX.name)
         first = declaration.outputs[0].name
-        if mix == 0 and wanted == {first}:
-            return {first: copy(images["image"])}
-        return _mix_over(images["image"], _call(declaration, context, images, values), first, mask, mix)
+        image = images[declaration.over]
+        if mix == 0 and wanted == {first} and declaration.windows == "first":
+            return {first: copy(image)}
+        outputs = _call(declaration, context, images, values)
+        if declaration.windows == "union" and first in outputs:
+            image = _as_result(image, outputs[first])
+        return _mix_over(image, outputs, first, mask, mix)
 
 
 def call_sink(declaration: Node, context: Context, inputs: NodeInputs, params: Mapping[str, Any]) -> Any:
@@ -59,12 +65,19 @@ def call_sink(declaration: Node, context: Context, inputs: NodeInputs, params: M
     """
     context = replace(context, node=context.node or declaration.type)
     with error_boundary(context.node, context.frame):
-        declaration, inputs = join_windows(declaration, inputs, params)
+        declaration, inputs = join_windows(declaration, _needed(declaration, inputs, params), params)
         images = fit_inputs(declaration, inputs)
         return declaration.run(context, **images, **check_params(declaration, params))
 
 
 # ---------------------------------------------------------------------- before: inputs and parameters
+
+
+def _needed(declaration: Node, inputs: NodeInputs, params: Mapping[str, Any]) -> NodeInputs:
+    """Return the inputs that the node needs with these parameters."""
+    if declaration.needs is None:
+        return inputs
+    return {name: inputs[name] for name in declaration.needed(inputs, check_params(declaration, params))}
 
 
 def fit_inputs(declaration: Node, inputs: Mapping[str, Image]) -> dict[str, Image]:
@@ -84,42 +97,38 @@ def fit_inputs(declaration: Node, inputs: Mapping[str, Image]) -> dict[str, Imag
         if name not in ports and (name in declaration.all_params or name == "context"):
             raise FlowabsError(f"an extra input cannot be called {name!r}: that is a parameter", code="unknown-input")
     for name, port in ports.items():
-        if name not in inputs and not port.optional:
+        if name not in inputs and not port.optional and declaration.needs is None:
             raise FlowabsError(f"input {name!r} is not connected: {port.help}", code="missing-input")
     declared = {name: inputs[name] for name in ports if name in inputs}
     images = {name: _widen(declaration, name, image) for name, image in (declared | dict(inputs)).items()}
     first = next(iter(declared), None)
-    if first is None:
+    if first is None or declaration.windows == "own":
         return images
+    if declaration.windows == "display":
+        images[first] = on_display(images[first])
+    if declaration.windows == "union":
+        images |= on_union({name: image for name, image in images.items() if not ports[name].cut})
     window = images[first].data_window
     for name, image in images.items():
         if image.data_window == window:
             continue
-        if name in declared and name != MASK.name:
+        may_be_cut = name not in declared or ports[name].cut or _holds(image, images[first])
+        if not may_be_cut:
             raise FlowabsError(
                 f"input {name!r} has the data window {_describe(image.data_window)}, "
                 f"but input {first!r} has {_describe(window)}",
                 code="window-mismatch",
             )
-        if name == MASK.name:
-            _check_mask_size(image, images[first], first)
+        if name in declared:
+            check_picture_size(name, image, images[first], first)
         images[name] = image.on_window(window)
     return images
 
 
-def _check_mask_size(mask: Image, image: Image, first: str) -> None:
-    """Raise FlowabsError for a mask of a picture of another size, such as a proxy: it would cover one corner only.
-
-    A mask that has pixels in a part of the picture only, its bounding box, has the picture's display window.
-    """
-    found, expected = mask.display_window, image.display_window
-    if (found.width, found.height) == (expected.width, expected.height):
-        return
-    size = f"{expected.width}x{expected.height}"
-    raise FlowabsError(
-        f"input {MASK.name!r} is of a picture of {found.width}x{found.height}, but input {first!r} of {size}",
-        code="window-mismatch",
-        hint=f"resize the mask to {size}; one of a part of the picture needs the display window of the whole",
+def _holds(image: Image, other: Image) -> bool:
+    """Return whether an image has every pixel of the data window of another one, of pictures of one size."""
+    return around(image.data_window, other.data_window) == image.data_window and (
+        image.display_window == other.display_window
     )
 
 
@@ -176,7 +185,8 @@ def _call(
         image = found.get(name)
         if not isinstance(image, Image):
             raise _wrong_output(declaration, name, f"an Image, the node returned {_kind(image)}")
-        kinds = (images[port.same_as].type,) if port.same_as else port.accepts
+        given = [images[name].type for name in port.follows if name in images]
+        kinds = (widest(given) or given[0],) if given else port.accepts
         if image.type not in kinds:
             raise _wrong_output(declaration, name, f"{' or '.join(kinds)}, the node returned {image.type}")
         outputs[name] = _restore_metadata(images, image, declaration, name)
@@ -202,7 +212,7 @@ def _restore_metadata(images: Mapping[str, Image], image: Image, declaration: No
     if source is None:
         return image
     found, expected = (image.data_window, image.display_window), (source.data_window, source.display_window)
-    if found != expected:
+    if found != expected and declaration.windows != "own":
         raise _wrong_output(
             declaration,
             name,
@@ -256,3 +266,9 @@ def _mix_over(image: Image, outputs: dict[str, Image], first: str, mask: Image |
             pixels += image.pixels * (1 - k)
             mixed[name] = result.with_pixels(pixels)
     return mixed
+
+
+def _as_result(image: Image, result: Image) -> Image:
+    """Return the input that a result goes over in the result's type; opaque, where only the result has alpha."""
+    image = image.as_type(result.type)
+    return with_alpha(image) if "A" in result.channels and result.type == "color" else image

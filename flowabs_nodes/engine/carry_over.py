@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from flowabs_nodes.engine.plan import Inputs, Result, Step, Unit, results_in, sinks, unit_inputs
 from flowabs_nodes.engine.result_store import ResultStore, StoredKey
-from flowabs_nodes.engine.unit_params import UnitParams, unit_offsets
+from flowabs_nodes.engine.unit_params import UnitParams, needed_inputs, unit_offsets
 from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.frame_offsets import MAX_DISTANCE
@@ -112,6 +112,8 @@ class Lookahead:
 
     def _inputs_of(self, unit: Unit) -> Inputs:
         """Return what a unit asks for, whether it is there or not; its own frame alone, where it cannot say."""
+        if self._graph.nodes[unit.node].declaration.needs is not None:
+            return self._inputs_chosen(unit)
         if unit.node not in self._windowed:
             return unit_inputs(self._graph, unit)
         if unit not in self._offsets:
@@ -120,3 +122,12 @@ class Lookahead:
             except FlowabsError:  # raised again, and told, when the frame is rendered
                 self._offsets[unit] = {}
         return unit_inputs(self._graph, unit, self._offsets[unit])
+
+    def _inputs_chosen(self, unit: Unit) -> Inputs:
+        """Return what a unit that chooses its inputs asks for on its frame; all, where it cannot say."""
+        params = UnitParams(self._graph)
+        try:
+            needed = needed_inputs(self._graph, unit, params)
+            return unit_inputs(self._graph, unit, unit_offsets(self._graph, unit, params), needed)
+        except FlowabsError:  # raised again, and told, when the frame is rendered
+            return unit_inputs(self._graph, unit)

@@ -153,7 +153,7 @@ class Evaluation:
             params[declaration.file_param.name] = str(self.sources[step.unit].path)
         looks_at = next((own_frame(images[name]) for name in declaration.all_inputs if name in images), None)
         factor = length_factor(self.graph.reference_size, self.options.scale, looks_at)
-        params, warnings = scale_lengths(declaration, params, factor)
+        params, warnings = scale_lengths(declaration, params, factor, self.options.scale)
         self.notes.extend(replace(warning, node=step.unit.node, frame=step.unit.frame) for warning in warnings)
         return params
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from flowabs_nodes.engine.plan import Inputs, Result, Unit, file_role, unit_inputs
 from flowabs_nodes.engine.sources import Sources
-from flowabs_nodes.engine.unit_params import Params, unit_offsets
+from flowabs_nodes.engine.unit_params import Params, chooses_inputs, needed_inputs, unit_offsets
 from flowabs_nodes.errors import ReadError
 
 if TYPE_CHECKING:
@@ -48,7 +48,8 @@ class FrameWindows:
         self._given: dict[tuple[str, str], set[int]] = {}  # the frames by (node, output)
         for node, output, frame in given:
             self._given.setdefault((node, output), set()).add(frame)
-        self._feeds: dict[tuple[str, str], Feeds] = {}
+        self._chooses = chooses_inputs(graph)
+        self._feeds: dict[tuple[str, str, int | None], Feeds] = {}  # of any frame, unless nodes choose their inputs
         self._spans: dict[Feeds, range] = {}
 
     def inputs_of(self, unit: Unit) -> Inputs:
@@ -60,7 +61,7 @@ class FrameWindows:
             With the node and the frame: the node's ``frames`` breaks a rule, or the file of another frame is missing.
         """
         offsets = unit_offsets(self._graph, unit, self._params)
-        inputs = unit_inputs(self._graph, unit, offsets)
+        inputs = unit_inputs(self._graph, unit, offsets, needed_inputs(self._graph, unit, self._params))
         for name, window in inputs.items():
             if name in offsets:
                 inputs[name] = {each: result for each, result in window.items() if each == 0 or self._is_there(result)}
@@ -68,8 +69,8 @@ class FrameWindows:
 
     def _is_there(self, result: Result) -> bool:
         """Return whether a result exists on its frame, as the frame before or after another one."""
-        node, output, frame = result
-        feeds = self._feeds_of(node, output)
+        frame = result.frame
+        feeds = self._feeds_of(result)
         if not feeds.reads and not feeds.given:
             return True
         if not all(frame in self._given[each] for each in feeds.given):
@@ -101,14 +102,15 @@ class FrameWindows:
                 return False
             raise
 
-    def _feeds_of(self, node: str, output: str) -> Feeds:
-        """Return where the pictures of an output come from."""
-        target = (node, output)
-        if target not in self._feeds:
+    def _feeds_of(self, result: Result) -> Feeds:
+        """Return where the pictures of a result come from."""
+        frame = result.frame
+        key = (result.node, result.output, frame if self._chooses else None)
+        if key not in self._feeds:
             reads: dict[str, None] = {}
             given: dict[tuple[str, str], None] = {}
             seen = set()
-            stack = [target]
+            stack = [(result.node, result.output)]
             while stack:
                 each = stack.pop()
                 if each in self._given:
@@ -117,6 +119,8 @@ class FrameWindows:
                     seen.add(each[0])
                     if file_role(self._graph, each[0]) == "input":
                         reads[each[0]] = None
-                    stack.extend((link.node, link.output) for link in self._graph.nodes[each[0]].inputs.values())
-            self._feeds[target] = Feeds(tuple(reads), tuple(given))
-        return self._feeds[target]
+                    unit = Unit(each[0], frame)
+                    inputs = unit_inputs(self._graph, unit, needed=needed_inputs(self._graph, unit, self._params))
+                    stack.extend((needed.node, needed.output) for needed in inputs.values())
+            self._feeds[key] = Feeds(tuple(reads), tuple(given))
+        return self._feeds[key]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 
 from flowabs_nodes.color.config import opened
 from flowabs_nodes.engine.color_names import wrong_names
@@ -13,6 +14,7 @@ from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.options import PathLike, RunOptions
 from flowabs_nodes.engine.plan import file_role, make_plan, sinks
 from flowabs_nodes.engine.sources import file_of, reads_pictures
+from flowabs_nodes.engine.unit_params import UnitParams, inputs_on_any_frame
 from flowabs_nodes.errors import CommandError, ReadError, WriteError
 from flowabs_nodes.graph.missing_packages import refuse_missing_packages
 from flowabs_nodes.graph.model import Graph
@@ -50,7 +52,8 @@ def build_job(graph: Graph, options: RunOptions) -> tuple[Job, tuple[int, ...]]:
     if not writes:
         hint = "graph.run(...) gives its images in Python"
         raise CommandError("the graph has no write node", code="no-write", hint=hint)
-    steps = make_plan(graph, 1, sinks=writes)
+    needs = partial(inputs_on_any_frame, graph, params=UnitParams(graph))
+    steps = make_plan(graph, 1, sinks=writes, inputs_of=needs)
     refuse_missing_packages(graph, {step.unit.node for step in steps})
     wrong = wrong_names(graph, config, {step.unit.node for step in steps})
     if wrong:

@@ -9,7 +9,7 @@ because the display window does.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from flowabs_nodes.engine.report import Note
@@ -44,9 +44,12 @@ def has_lengths(declaration: Node) -> bool:
 
 
 def scale_lengths(
-    declaration: Node, params: Mapping[str, Any], factor: float
+    declaration: Node, params: Mapping[str, Any], factor: float, run_scale: float | None = None
 ) -> tuple[dict[str, Any], tuple[Note, ...]]:
     """Multiply lengths by ``factor``, divide quantities per pixel by it, and say what to warn of.
+
+    Sizes of pictures, which no reference size changes, are multiplied by ``run_scale``, the ``--scale`` of the run
+    (``factor`` without it), and stay whole.
 
     A scaled value outside the parameter's hard range becomes the range's end, with a warning. Scaling shortens no
     length below the parameter's ``floor``, and warns where it would: a line filter of a fraction of a pixel sees no
@@ -62,6 +65,9 @@ def scale_lengths(
     warnings = []
     for name, param in declaration.all_params.items():
         value = scaled.get(name)
+        if param.scales and isinstance(value, list | tuple):
+            scaled[name] = _scaled_list(param, value, factor if run_scale is None or not param.of_run else run_scale)
+            continue
         if not param.scales or factor == 1 or isinstance(value, bool) or not isinstance(value, int | float):
             continue
         wanted = value * factor**param.scales
@@ -81,6 +87,15 @@ def scale_lengths(
             text = thin + "lines change with the picture's size"
             warnings.append(Note(text, warning=True, once=name))
     return scaled, tuple(warnings)
+
+
+def _scaled_list(param: Param, values: Sequence[float], factor: float) -> Sequence[float]:
+    """Return a list of lengths times ``factor``; the sides of a picture, which are whole, are at least 1."""
+    if factor == 1:
+        return values
+    if param.of_run:
+        return [max(1, math.floor(value * factor + 0.5)) for value in values]
+    return [value * factor**param.scales for value in values]
 
 
 def _within(param: Param, value: float) -> float:

@@ -118,10 +118,20 @@ def make_plan(
     )
 
 
-def unit_inputs(graph: Graph, unit: Unit, offsets: Mapping[str, Iterable[int]] = _NO_OFFSETS) -> dict[str, Any]:
-    """Return what a unit reads (:data:`Inputs`), if the inputs in ``offsets`` are read on these frames."""
+def unit_inputs(
+    graph: Graph,
+    unit: Unit,
+    offsets: Mapping[str, Iterable[int]] = _NO_OFFSETS,
+    needed: Collection[str] | None = None,
+) -> dict[str, Any]:
+    """Return what a unit reads (:data:`Inputs`), if the inputs in ``offsets`` are read on these frames.
+
+    Of its inputs those that are ``needed`` count, all without it.
+    """
     found: dict[str, Any] = {}
     for name, link in graph.nodes[unit.node].inputs.items():
+        if needed is not None and name not in needed:
+            continue
         if name in offsets:
             found[name] = {each: Result(link.node, link.output, unit.frame + each) for each in offsets[name]}
         else:

@@ -10,6 +10,7 @@ from flowabs_nodes.graph.format import NAME, NAME_RULE
 from flowabs_nodes.graph.model import Link
 from flowabs_nodes.graph.problems import Place, Problems, show
 from flowabs_nodes.nodes.declare import Node, Port
+from flowabs_nodes.port_types import widest
 
 #: Each node's declaration, by the node's name; None where its type is not known (nothing more is said about it).
 Declarations = Mapping[str, Node | None]
@@ -123,7 +124,27 @@ def _check_types(names: list[str], declarations: Declarations, links: Links, pro
                 problems.add("wrong-type", place, f"{link}, which is {given}", types_in_words(port), hint)
         for output, port in declaration.all_outputs.items():
             own = port.accepts[0] if port.accepts else None
-            gives[Link(name, output)] = inside.get(port.same_as) if port.same_as else own
+            gives[Link(name, output)] = _common_type(name, port, inside, links[name], problems) if port.follows else own
+
+
+def _common_type(
+    name: str, output: Port, inside: Mapping[str, str | None], links: Mapping[str, Link], problems: Problems
+) -> str | None:
+    """Return the type of an output that has the type of its inputs, which are to fit each other; None if unknown."""
+    types: dict[str, str] = {}
+    for port in output.follows:
+        kind = inside.get(port)
+        if kind is None:
+            if port in links:
+                return None
+            continue
+        if types and widest((*types.values(), kind)) is None:
+            first, other = next(iter(types.items()))
+            expected = f"the same type as the input {first}, {other}, or one that goes where that goes"
+            problems.add("wrong-type", ("nodes", name, "inputs", port), f"{links[port]}, which is {kind}", expected)
+            return None
+        types[port] = kind
+    return widest(types.values())
 
 
 def add_unused(names: list[str], declarations: Declarations, links: Links, problems: Problems) -> None:

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from flowabs_nodes.graph import document_keys
+from flowabs_nodes.graph.chosen_inputs import add_unlinked_choices
 from flowabs_nodes.graph.format import MOST_NODES
 from flowabs_nodes.graph.knobs import read_knobs
 from flowabs_nodes.graph.links import add_unused, check_links, read_links, unused
@@ -40,9 +41,11 @@ def validate(document: Any, catalogue: Mapping[str, Node], problems: Problems, s
         problems.add("too-big", ("nodes",), f"{len(raw_nodes)} nodes", f"at most {MOST_NODES}")
         return None
     nodes = _read_nodes(raw_nodes, catalogue, knobs, problems, notes)
+    interface = {name: knob for name, knob in knobs.items() if knob is not None}
+    if not problems.errors:  # else what is chosen may be what a mistake hides
+        add_unlinked_choices((nodes[name] for name in raw_nodes), interface, problems)
     if problems.errors:
         return None
-    interface = {name: knob for name, knob in knobs.items() if knob is not None}
     add_unused_params((nodes[name] for name in raw_nodes), interface, problems)
     declarations = {name: node.declaration for name, node in nodes.items()}
     idle = unused(list(nodes), declarations, {name: node.inputs for name, node in nodes.items()})

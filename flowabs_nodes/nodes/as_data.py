@@ -10,7 +10,7 @@ from flowabs_nodes.nodes.declare import Node, Param, Port
 def node_data(node: Node) -> dict[str, Any]:
     """Return a node's declaration as JSON data: names and texts, its inputs, outputs and parameters.
 
-    ``needs`` maps the modules that the node imports and that may not be installed to what pip installs them with.
+    ``packages`` maps the modules that the node imports and that may not be installed to what pip installs them with.
     """
     return {
         "type": node.type,
@@ -20,7 +20,7 @@ def node_data(node: Node) -> dict[str, Any]:
         "category": node.category,
         "help": node.help,
         "doc": node.doc,
-        "needs": dict(node.needs),
+        "packages": dict(node.packages),
         "inputs": [_port(port) for port in node.all_inputs.values()],
         "extra_inputs": _port(node.extra_inputs) if node.extra_inputs else None,
         "outputs": [_port(port) for port in node.all_outputs.values()],

@@ -166,7 +166,7 @@ MEAN_SHIFT = Node(
         ),
     ),
     run=run_mean_shift,
-    needs=OPENCV,
+    packages=OPENCV,
 )
 
 
@@ -221,5 +221,5 @@ CANNY = Node(
         SPACE,
     ),
     run=run_canny,
-    needs=OPENCV,
+    packages=OPENCV,
 )

@@ -26,11 +26,11 @@ output) or a dict from output name to Image. It must not change its inputs.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from importlib.util import find_spec
-from typing import Any
+from typing import Any, Literal
 
 from flowabs_nodes.choices import readable
 from flowabs_nodes.errors import ArgumentError, nearest
@@ -46,13 +46,18 @@ class Port:
     """Declares an input or output.
 
     ``types`` is one port type, several joined by "|" (an input that takes each of them as it is), "any", or, for an
-    output, ``"=name"``: of the same type as the input of that name.
+    output, ``"=name"``: of the same type as the input of that name. ``"=one|other"`` is the type among those of these
+    inputs that all of them may be used as: color for a color and a matte.
+
+    An input must have all pixels of the data window of the node's first one, to which it is cut. One that may be
+    ``cut`` need not, if it is of a picture of the same size: it is its type's value for outside where it has none.
     """
 
     name: str
     types: str
     help: str
     optional: bool = False
+    cut: bool = False
 
     @property
     def accepts(self) -> tuple[str, ...]:
@@ -62,9 +67,14 @@ class Port:
         return () if self.types.startswith("=") else tuple(self.types.split("|"))
 
     @property
+    def follows(self) -> tuple[str, ...]:
+        """Return the names of the inputs whose type this output has; none for all other ports."""
+        return tuple(self.types[1:].split("|")) if self.types.startswith("=") else ()
+
+    @property
     def same_as(self) -> str | None:
-        """Return the name of the input whose type this output has; None for all other ports."""
-        return self.types[1:] if self.types.startswith("=") else None
+        """Return the name of the first input whose type this output has; None for all other ports."""
+        return self.follows[0] if self.follows else None
 
     def takes(self, port_type: str) -> str | None:
         """Return the type that an image of ``port_type`` has inside the node, or None if it may not be connected."""
@@ -90,7 +100,9 @@ class Context:
     services: Any = None
 
 
-MASK = Port("mask", "matte", "Where the result replaces the input: 1 there, 0 the input stays.", optional=True)
+MASK = Port(
+    "mask", "matte", "Where the result replaces the input: 1 there, 0 the input stays.", optional=True, cut=True
+)
 MIX = Param.float("mix", 1.0, min=0.0, max=1.0, soft=(0, 1), help="How much of the result goes over the input.")
 
 
@@ -102,9 +114,19 @@ class Node:
     see, by default made of ``type``; ``category`` says where a menu lists the node: a word of
     :data:`flowabs_nodes.choices.CATEGORIES`, or a text of its own. ``help`` is one line, ``doc`` what more there is to
     say. A node whose first output is of the type of its input ``image`` also takes ``mask`` and
-    ``mix``; the engine blends, so ``run`` never sees them. ``extra_inputs`` is the port of all inputs under names that
-    the graph makes up (``write``'s layers). ``upgrades`` maps an older version to a function from that version's
-    parameters to the next one's.
+    ``mix``; the engine blends, so ``run`` never sees them. ``over`` names another input that the result goes over.
+    ``extra_inputs`` is the port of all inputs under names that the graph makes up (``write``'s layers). ``upgrades``
+    maps an older version to a function from that version's parameters to the next one's.
+
+    ``windows`` says on which data window a node works. "first": on that of its first input, whose windows its outputs
+    have. "display": on one that also holds the display window, where the first input is a mono or a matte, whose 0
+    beyond its data window is to become something else. "union": on the smallest window that holds those of all inputs;
+    what was not there is transparent. "own":
+    inputs come as they are, and outputs have the windows that the node gives them. ``converts`` says that the result is
+    in another colour space than the input. A node of windows of its own, or that converts, has neither mask nor mix.
+
+    ``needs(params)`` returns the names of the inputs that the node needs with these parameters. All others are neither
+    computed nor read, and no part of the key; ``run`` gets None for them. Without it every connected input is needed.
 
     ``frames(params)`` returns, for each input that the node reads on other frames too, their offsets from its own
     frame, such as ``{"image": (-2, -1, 0, 1, 2)}``: different whole numbers from -64 to 64, 0 among them
@@ -119,7 +141,7 @@ class Node:
     asked for, must have the bits of the whole result. ``mask`` needs no word. :mod:`flowabs_nodes.nodes.regions` makes
     a ``region`` of a halo.
 
-    ``needs`` maps each top-level module that ``run`` imports and that may not be installed to what pip installs it
+    ``packages`` maps each top-level module that ``run`` imports and that may not be installed to what pip installs it
     with, such as ``{"cv2": "flowabs-nodes[compare]"}``. Where one is missing, ``flowabs check`` says so, and a run is
     refused before its first frame.
 
@@ -138,9 +160,13 @@ class Node:
     label: str = ""
     category: str = "utility"
     extra_inputs: Port | None = None
+    over: str = "image"
+    windows: Literal["first", "display", "union", "own"] = "first"
+    converts: bool = False
+    needs: Callable[[Mapping[str, Any]], Collection[str]] | None = field(default=None, hash=False)
     frames: Callable[[Mapping[str, Any]], Mapping[str, tuple[int, ...]]] | None = field(default=None, hash=False)
     region: Callable[[Mapping[str, Any], Window], Mapping[str, Window]] | None = field(default=None, hash=False)
-    needs: Mapping[str, str] = field(default_factory=dict, hash=False)
+    packages: Mapping[str, str] = field(default_factory=dict, hash=False)
     upgrades: Mapping[int, Callable[[dict[str, Any]], dict[str, Any]]] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
@@ -178,13 +204,15 @@ class Node:
     @cached_property
     def mixes(self) -> bool:
         """Return True for a node that takes an image and gives one: it has ``mask`` and ``mix``."""
-        image = next((port for port in self.inputs if port.name == "image"), None)
+        image = next((port for port in self.inputs if port.name == self.over), None)
         first = self.outputs[0] if self.outputs else None
         return (
             image is not None
             and not image.optional
+            and not self.converts
+            and self.windows != "own"
             and first is not None
-            and (first.same_as == "image" or (first.types == "color" and image.types == "color"))
+            and (self.over in first.follows or (first.types == "color" and image.types == "color"))
         )
 
     @cached_property
@@ -214,8 +242,8 @@ class Node:
         return next((param for param in self.params if param.kind == "file"), None)
 
     def missing(self) -> dict[str, str]:
-        """Return those of ``needs`` that are not installed: what pip installs each module with, by module."""
-        return {module: source for module, source in self.needs.items() if not find_spec(module)}
+        """Return those of ``packages`` that are not installed: what pip installs each module with, by module."""
+        return {module: source for module, source in self.packages.items() if not find_spec(module)}
 
     @property
     def uses_config(self) -> bool:
@@ -234,6 +262,23 @@ class Node:
         declared = self.all_params
         conditions = declared[name].enabled_when.items()
         return all(params.get(switch, declared[switch].default) in values for switch, values in conditions)
+
+    def needed(self, inputs: Iterable[str], params: Mapping[str, Any]) -> tuple[str, ...]:
+        """Return those of ``inputs``, names of inputs that are connected, that the node needs with all its ``params``.
+
+        Raises ArgumentError, code missing-input, where the node needs one that is not among them.
+        """
+        if self.needs is None:
+            return tuple(inputs)
+        asked, connected = self.needs(params), tuple(inputs)
+        for name in asked:
+            if name not in connected:
+                raise ArgumentError(
+                    f"input {name!r}, which these parameters choose, is not connected",
+                    code="missing-input",
+                    hint=f"connected: {', '.join(connected) or 'none'}",
+                )
+        return tuple(name for name in connected if name in asked or self.input(name) is None)
 
     def defaults(self) -> dict[str, Any]:
         """Return the default of every parameter that has one, by name."""

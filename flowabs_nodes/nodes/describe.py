@@ -97,7 +97,11 @@ def outputs(node: Node) -> list[tuple[str, str, str]]:
 
 
 def _types(port: Port) -> str:
-    return f"as {port.same_as}" if port.same_as else "any" if port.types == "any" else port.types.replace("|", " or ")
+    if len(port.follows) > 2:
+        return f"as {port.follows[0]} to {port.follows[-1]}, the widest"
+    if port.follows:
+        return "as " + ", or ".join(port.follows) + ", the wider" * (len(port.follows) > 1)
+    return "any" if port.types == "any" else port.types.replace("|", " or ")
 
 
 def facts(node: Node) -> str:
@@ -106,7 +110,7 @@ def facts(node: Node) -> str:
     if node.inputs and node.outputs:
         part = "It can work on a part of the picture" if node.region else "It needs the whole picture"
         said.append(f"{part}{', and reads other frames' if node.frames else ''}.")
-    said += [f"It needs {module}: pip install '{source}'." for module, source in node.needs.items()]
+    said += [f"It needs {module}: pip install '{source}'." for module, source in node.packages.items()]
     return " ".join(said)
 
 

@@ -37,7 +37,9 @@ class Param:
 
     Use the constructors :meth:`float`, :meth:`int`, :meth:`bool`, :meth:`enum`, :meth:`string`, :meth:`color`,
     :meth:`file` and :meth:`custom`. ``required`` parameters have no default. ``scales`` is +1 for pixel lengths, which
-    grow with the plate where a graph has a ``reference_size``, -1 for quantities per pixel, which shrink, 0 else.
+    grow with the plate where a graph has a ``reference_size``, -1 for quantities per pixel, which shrink, 0 else. Of a
+    custom parameter each number of a list scales. ``of_run`` is for the size of a picture to make: it shrinks with the
+    run's ``--scale`` and knows no ``reference_size``.
 
     ``label`` is the name that people see, by default made of ``name``; ``group`` the section of a panel that the
     parameter is in. ``enabled_when`` maps other parameters of the node, each an enum or a bool, to the values beside
@@ -58,6 +60,7 @@ class Param:
     nullable: Flag = False
     required: Flag = False
     scales: Whole = 0
+    of_run: Flag = False
     role: Literal["", "input", "output"] = ""  # of a file
     pictures: Flag = False  # of a file to read: it is of a format in flowabs_nodes.io.formats, which is checked first
     colorspace: tuple[str, ...] | None = None  # a text that names a colour space, or is one of these words
@@ -192,6 +195,7 @@ class Param:
         schema: Mapping[str, Any],
         parse: Callable[[Any], str | None],
         scales: Whole = 0,
+        of_run: Flag = False,
         in_key: Flag = True,
         unit: str = "",
         help: str,
@@ -205,6 +209,7 @@ class Param:
             help,
             unit=unit,
             scales=scales,
+            of_run=of_run,
             in_key=in_key,
             schema=schema,
             parse=parse,

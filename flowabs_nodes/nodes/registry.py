@@ -27,7 +27,8 @@ READING_ORDER = (
     *("etf", "lic", "flow_color", "flow_blur"),
     *("dog", "fdog", "fdog_iterative", "canny"),
     *("fbl", "bilateral", "bilateral_oriented", "mean_shift", "quantize"),
-    *("composite", "blur"),
+    *("composite", "merge", "switch", "blur", "grade", "invert", "colorspace"),
+    *("shuffle", "constant", "crop", "reformat"),
 )
 
 
@@ -101,8 +102,9 @@ def faults(node: Node) -> list[str]:
             if kind not in PORT_TYPES
         ]
     for port in node.outputs:
-        if port.same_as is not None and port.same_as not in node.all_inputs:
-            found.append(f"{node.type}: output {port.name!r} is of the type of {port.same_as!r}, which is no input")
+        unknown = [name for name in port.follows if name not in node.all_inputs]
+        if unknown:
+            found.append(f"{node.type}: output {port.name!r} is of the type of {unknown[0]!r}, which is no input")
         elif port.same_as is None and port.types not in PORT_TYPES:
             found.append(f"{node.type}: output {port.name!r} of type {port.types!r}; {nearest(port.types, PORT_TYPES)}")
     for param in node.params:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import tempfile
+from collections.abc import Mapping
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -76,19 +78,23 @@ def takes_every_type(node: Node) -> None:
 
 
 def keeps_windows_and_metadata(node: Node) -> None:
-    """Check that windows, origin, metadata and colour space of the first input are the outputs' too."""
+    """Check that windows, origin, metadata and colour space of the first input are the outputs' too.
+
+    A node that declares windows of its own, or that it converts, may change these.
+    """
     inputs = inputs_of(node, "alpha")
     if not inputs:
         return
     first = next(iter(inputs.values()))
     for name, image in run_node(node, inputs).items():
-        for what in ("data_window", "display_window", "origin"):
+        windows = ("data_window", "display_window") if node.windows != "own" else ()
+        for what in (*windows, "origin"):
             found, expected = getattr(image, what), getattr(first, what)
             require(found == expected, f"output {name!r}: {what} {found}, its input's is {expected}")
         for attribute in first.spec.extra_attribs:
             found = image.spec.getattribute(attribute.name)
             require(found == attribute.value, f"output {name!r}: metadata {attribute.name!r} is {found!r}")
-        if image.type == first.type == "color":
+        if image.type == first.type == "color" and not node.converts:
             require(image.colorspace == first.colorspace, f"output {name!r}: colour space {image.colorspace}")
 
 
@@ -152,22 +158,27 @@ def mixes(node: Node) -> None:
 
     Of what has no mean, such as ids, each pixel at 0.5 must be the input's or the result's.
     """
-    port = node.all_inputs["image"]
-    for kind in port.accepts:
-        _mixes(node, inputs_of(node, "alpha") | {"image": make_input(kind, "alpha", 20, 24)})
+    alike = node.outputs[0].follows or (node.over,)
+    for kind in node.all_inputs[node.over].accepts:
+        _mixes(node, inputs_of(node, "alpha") | {name: make_input(kind, "alpha", 20, 24) for name in alike})
 
 
 def _mixes(node: Node, inputs: dict[str, Image]) -> None:
     """Check mask and mix on these inputs."""
-    image, first = inputs["image"], node.outputs[0].name
-    full = run_node(node, inputs)[first]
-    require(equal(run_node(node, inputs, {"mix": 0})[first], image), "mix 0 must give the input")
+    image, first = inputs[node.over], node.outputs[0].name
+
+    def result(inputs: Mapping[str, Image], params: Mapping[str, Any]) -> Image:
+        """Return the node's first output on the input's data window, which it may reach beyond."""
+        return run_node(node, inputs, params)[first].on_window(image.data_window)
+
+    full = result(inputs, {})
+    require(equal(result(inputs, {"mix": 0}), image), "mix 0 must give the input")
     half = np.zeros(image.pixels.shape[:2], np.float32)
     half[:, ::2] = 1
-    masked = run_node(node, inputs | {MASK.name: image.with_pixels(half, "matte")})[first].pixels
+    masked = result(inputs | {MASK.name: image.with_pixels(half, "matte")}, {}).pixels
     require(np.array_equal(masked[:, ::2], full.pixels[:, ::2]), "where the mask is 1 the result must stand")
     require(np.array_equal(masked[:, 1::2], image.pixels[:, 1::2]), "where the mask is 0 the input must stand")
-    between = run_node(node, inputs, {"mix": 0.5})[first].pixels
+    between = result(inputs, {"mix": 0.5}).pixels
     if not pixel_type(full.type).blends:
         either = (between == image.pixels) | (between == full.pixels)
         require(bool(either.all()), f"mix 0.5 of {full.type} must be the input's value or the result's")

@@ -31,8 +31,7 @@ def changes_the_picture(node: Node, param: Param) -> None:
     """Check that on some scene, beside some values of the other parameters, some value changes some output."""
     tried = 0
     for settings in _surroundings(node, param):
-        for scene in SCENES:
-            inputs = inputs_of(node, scene)
+        for inputs in _all_inputs(node):
             before = _try(node, inputs, settings)
             for value in alternatives(param):
                 after = _try(node, inputs, settings | {param.name: value})
@@ -42,6 +41,15 @@ def changes_the_picture(node: Node, param: Param) -> None:
     raise ComplianceError(
         f"{param.name} changes nothing, on {len(SCENES)} pictures in {tried} combinations of parameters"
     )
+
+
+def _all_inputs(node: Node) -> Iterator[dict[str, Image]]:
+    """Yield inputs of every scene, of several scenes at once, and without the optional ones, where a node has any."""
+    yield from (inputs_of(node, scene) for scene in SCENES)
+    if len(node.inputs) > 1:
+        yield {port.name: inputs_of(node, SCENES[i % len(SCENES)])[port.name] for i, port in enumerate(node.inputs)}
+    if any(port.optional for port in node.inputs):
+        yield from (inputs_of(node, scene, optional=False) for scene in SCENES)
 
 
 def nothing_where_disabled(node: Node, param: Param) -> None:

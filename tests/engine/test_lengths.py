@@ -127,3 +127,24 @@ def test_a_plate_on_its_side_has_the_lengths_of_the_upright_one(name):
     size = load_graph(name).reference_size
     wide, tall = (Image.from_array(np.zeros((*shape, 3), np.float32)) for shape in ((54, 96), (96, 54)))
     assert length_factor(size, 1.0, wide) == length_factor(size, 1.0, tall) == 0.1
+
+
+# ---------------------------------------------------------------------- lists: boxes, and sizes of pictures
+
+BOXED = replace(
+    LINES,
+    params=(
+        Param.custom("box", None, schema={}, parse=lambda value: None, scales=1, help="."),
+        Param.custom("size", [8, 6], schema={}, parse=lambda value: None, scales=1, of_run=True, help="."),
+    ),
+)
+
+
+def test_every_number_of_a_box_scales_and_a_size_by_the_run_alone():
+    given = {"box": [1, 2.5, 30, 40], "size": [31, 20]}
+    scaled, warnings = scale_lengths(BOXED, given, 2.0, 0.5)
+    assert scaled == {"box": [2, 5, 60, 80], "size": [16, 10]}
+    assert warnings == ()
+    assert scale_lengths(BOXED, given, 2.0, 0.01)[0]["size"] == [1, 1]
+    assert scale_lengths(BOXED, given, 1.0, 1.0)[0] == given
+    assert scale_lengths(BOXED, {"box": None}, 2.0, 0.5)[0] == {"box": None}

@@ -53,7 +53,8 @@ def test_in_memory_only_the_nodes_that_run_count(no_opencv):
 
 
 def test_a_node_of_another_package_says_what_it_needs():
-    node = replace(catalogue()["blur"], type="glow", needs={"no_such_module_7": "their-nodes[glow]", "json": "python"})
+    packages = {"no_such_module_7": "their-nodes[glow]", "json": "python"}
+    node = replace(catalogue()["blur"], type="glow", packages=packages)
     document = {
         "format": "flowabs.graph/1",
         "nodes": {

@@ -44,4 +44,4 @@ def test_a_flow_needs_the_whole_picture_for_statistics_and_fill():
 
 def test_nodes_that_look_at_the_whole_picture_have_no_region():
     without = {type for type, node in NODES.items() if node.inputs and node.outputs and node.region is None}
-    assert without == {"lic", "canny", "mean_shift"}
+    assert without == {"lic", "canny", "mean_shift", "reformat"}
