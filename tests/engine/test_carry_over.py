@@ -273,7 +273,7 @@ def test_graph_run_tells_each_frames_notes_under_its_own_number(shot, calls):
 
 
 def test_the_files_of_other_frames_are_not_claimed(shot, tmp_path):
-    from flowabs_nodes.io.frame_lock import claim
+    from flowabs_nodes.io.claim import claim
 
     graph = load(chain("mean", plate={"file": shot}), MEAN)
     (tmp_path / "out.0004.exr").parent.mkdir(exist_ok=True)
