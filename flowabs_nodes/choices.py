@@ -211,7 +211,7 @@ MISSING = Choices(
 #: What happens to an output file that is there already.
 EXISTING = Choices(
     {
-        "resume": "it stays if it is whole and was made from the same, else it is made again",
+        "resume": "it stays if whole and made from the same; else only its own graph replaces it",
         "overwrite": "it is made again",
         "error": "the frame fails",
     }

@@ -1,6 +1,6 @@
 """The command line: gathers the commands, and turns whatever goes wrong into a message and an exit code.
 
-Exit codes: 0 all is well; 1 a frame is missing, damaged, claimed, or not written; 2 the graph or the command is wrong;
+Exit codes: 0 all is well; 1 a frame is missing, damaged, or not written; 2 the graph or the command is wrong;
 130, 143 stopped by a signal.
 """
 

@@ -21,9 +21,9 @@ from flowabs_nodes.graph.model import Graph
 from flowabs_nodes.graph.overrides import override
 from flowabs_nodes.graph.problems import GraphError
 from flowabs_nodes.io import formats
-from flowabs_nodes.io.frame_lock import check_writable
 from flowabs_nodes.io.sequences import Sequence
 from flowabs_nodes.io.settings import checked
+from flowabs_nodes.io.write_failure import check_writable
 from flowabs_nodes.nodes import catalogue as installed
 from flowabs_nodes.nodes.declare import Node
 

@@ -85,8 +85,9 @@ class RunOptions:
     set
         Values of knobs and parameters: ``{"line_width": 1.5, "lines.softness": 2}``.
     existing
-        What happens to files that are there: "resume" keeps what is whole and has the right key, "overwrite" makes all
-        again, "error" fails those frames.
+        What happens to files that are there: "resume" keeps what is whole and has the right key, and makes again what
+        the same graph made at the same scale; any other file fails its frame. "overwrite" makes all again, "error"
+        fails those frames.
     missing
         What happens on missing input frames, before the nodes' own policy: error, hold, nearest, black, skip.
     scale

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-import os
 import time
 import traceback
+from collections.abc import Mapping
 from contextlib import ExitStack
 from typing import Any
 
@@ -13,6 +13,7 @@ from flowabs_nodes.color.config import opened
 from flowabs_nodes.engine.carry_over import CarryOver
 from flowabs_nodes.engine.error_boundary import error_boundary
 from flowabs_nodes.engine.evaluate import Evaluation
+from flowabs_nodes.engine.existing import Origin, State, is_stale, made_since, state_of
 from flowabs_nodes.engine.frame_windows import FrameWindows
 from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.keys import unit_keys
@@ -21,18 +22,28 @@ from flowabs_nodes.engine.report import FrameReport, Note, Status
 from flowabs_nodes.engine.result_store import ResultStore
 from flowabs_nodes.engine.sources import Sources, source_contents
 from flowabs_nodes.engine.unit_params import UnitParams
-from flowabs_nodes.errors import FlowabsError, WriteError
-from flowabs_nodes.io.frame_lock import Claim, claim
+from flowabs_nodes.errors import FlowabsError
+from flowabs_nodes.io.claim import claim
+from flowabs_nodes.io.claim_watch import ClaimWatch
 from flowabs_nodes.io.sequences import Sequence
 from flowabs_nodes.io.settings import checked
-from flowabs_nodes.io.write import is_whole, save, stored_key
+from flowabs_nodes.io.write import save
 
 
-def render_frame(job: Job, frame: int, carried: CarryOver | None = None) -> FrameReport:
+def render_frame(
+    job: Job,
+    frame: int,
+    carried: CarryOver | None = None,
+    *,
+    watch: ClaimWatch | None = None,
+    left: Mapping[str, State] | None = None,
+) -> FrameReport:
     """Render one frame of a job. Whatever goes wrong with it is in the report; only interrupts are raised.
 
     ``carried`` holds results of the run's earlier frames, and gets those that its later frames will ask for; without it
-    nothing is held.
+    nothing is held. ``watch`` knows what the run has seen of other runs' claims. A frame that another run is writing
+    fails with the code "claimed". ``left`` says how its files were when the frame was left to another run: what has
+    been written since, with the key that this run would give it, counts as made.
     """
     start = time.perf_counter()
     if carried is None:
@@ -45,7 +56,7 @@ def render_frame(job: Job, frame: int, carried: CarryOver | None = None) -> Fram
     status: Status = "failed"
     try:
         with error_boundary(frame=frame):
-            status = _render(job, frame, files, notes, timings, carried)
+            status = _render(job, frame, files, notes, timings, carried, watch, left or {})
     except FlowabsError as failure:
         error = failure
         _free_images(error)
@@ -60,6 +71,8 @@ def _render(
     notes: list[Note],
     timings: dict[str, float],
     carried: CarryOver,
+    watch: ClaimWatch | None,
+    left: Mapping[str, State],
 ) -> Status:
     """Write each write node's ``files`` that are not there yet, and empty ``files`` if the frame is left out."""
     graph, options, settings = job.graph, job.options, job.options.settings
@@ -79,63 +92,49 @@ def _render(
         ocio = opened(settings.ocio).content
         contents = source_contents(sources)
         keys = unit_keys(graph, steps, params, contents=contents, given={}, scale=options.scale, ocio=ocio)
-        stale = {
-            node: [path for path in paths if _is_stale(path, keys[Unit(node, frame)], options.existing, notes)]
-            for node, paths in files.items()
-        }
-    stale = {node: paths for node, paths in stale.items() if paths}
-    if not stale:
-        carried.choose((), keys)
-        return "skipped"
-
-    held_over = carried.held(steps, keys)
-    steps = make_plan(graph, frame, sinks=stale, given=held_over, inputs_of=inputs_of)
-    carried.choose(steps, keys)
-    needed = {result for step in steps for result in step.needs}
-    document = json.dumps(graph.document)
-    claims: dict[str, Claim] = {}
-
-    def write(node: str, prepared: Any) -> None:
-        def warn(text: str) -> None:
-            notes.append(Note(text, node, warning=True))
-
-        for path in stale[node]:
-            key, claimed = keys[Unit(node, frame)], claims[path]
-            save(prepared["picture"], path, key=key, graph=document, settings=settings, claimed=claimed, warn=warn)
-
-    evaluation.on_sink = write
-    evaluation.on_result = carried.put
+        of_file = {path: keys[Unit(node, frame)] for node, paths in files.items() for path in paths}
+        before = {path: state_of(path) for path in of_file}
+        origin = Origin(graph.name, options.scale)
+        stale = [
+            path
+            for path, key in of_file.items()
+            if not made_since(path, key, left) and is_stale(path, key, origin, options.existing, notes)
+        ]
     with ExitStack() as held:  # from before the filtering: another run that comes to this frame must not do it as well
-        for path in (path for paths in stale.values() for path in paths):
-            claims[path] = held.enter_context(claim(checked(path, settings)))
+        claims = {path: held.enter_context(claim(checked(path, settings), watch)) for path in stale}
+        stale = [path for path in stale if not made_since(path, of_file[path], before)]  # while this run was looking
+        if not stale:
+            carried.choose((), keys)
+            return "skipped"
+        wanted = {node: [path for path in paths if path in stale] for node, paths in files.items()}
+        held_over = carried.held(steps, keys)
+        steps = make_plan(
+            graph, frame, sinks=[node for node in wanted if wanted[node]], given=held_over, inputs_of=inputs_of
+        )
+        carried.choose(steps, keys)
+        document = json.dumps(graph.document)
+
+        def write(node: str, prepared: Any) -> None:
+            def warn(text: str) -> None:
+                notes.append(Note(text, node, warning=True))
+
+            for path in wanted[node]:
+                save(
+                    prepared["picture"],
+                    path,
+                    key=of_file[path],
+                    graph=document,
+                    scale=options.scale,
+                    settings=settings,
+                    claimed=claims[path],
+                    warn=warn,
+                )
+
+        evaluation.on_sink = write
+        evaluation.on_result = carried.put
+        needed = {result for step in steps for result in step.needs}
         evaluation.run(steps, {result: image for result, image in held_over.items() if result in needed})
     return "done"
-
-
-def _is_stale(path: str, key: str, existing: str, notes: list[Note]) -> bool:
-    """Return True where a file has to be written.
-
-    Raises
-    ------
-    WriteError
-        exists or foreign-file, where a file is in the way.
-    """
-    if existing == "overwrite" or not os.path.lexists(path):
-        return True
-    if existing == "error":
-        hint = "--existing resume goes on where a run stopped, overwrite replaces"
-        raise WriteError("exists already", code="exists", hint=hint, file=path)
-    found = stored_key(path)
-    if found is None:
-        hint = "--existing overwrite replaces it"
-        raise WriteError("exists already and was not written by flowabs", code="foreign-file", hint=hint, file=path)
-    if found != key:
-        notes.append(Note(f"made again, {path} is of another graph, plate or version"))
-        return True
-    if not is_whole(path):
-        notes.append(Note(f"made again, {path} is damaged"))
-        return True
-    return False
 
 
 def _free_images(error: BaseException) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import time
 from collections.abc import Iterable, Iterator
@@ -27,10 +26,10 @@ from flowabs_nodes.engine.report import (
 )
 from flowabs_nodes.engine.result_store import ResultStore
 from flowabs_nodes.engine.runnable import GraphSource, load_graph
+from flowabs_nodes.engine.shared_sequence import SharedSequence
 from flowabs_nodes.engine.signals import Stopped
 from flowabs_nodes.engine.sources import passed_over, same_picture
 from flowabs_nodes.errors import WriteError
-from flowabs_nodes.io.frame_lock import sweep
 from flowabs_nodes.io.settings import Settings
 
 
@@ -107,10 +106,11 @@ def render_sequence(
     reports: list[FrameReport] = []
     told: dict[tuple[object, ...], None] = {}
     carried = CarryOver(job.graph, numbers, ResultStore() if store is None else store)
+    shared = SharedSequence(job, numbers)
     stopped = 0
     try:
-        _remove_temporary_files(job)
-        for report in _render_frames(job, numbers, carried):
+        shared.sweep()
+        for report in _render_frames(job, numbers, carried, shared, tell):
             reports.append(report)
             for note in _untold(report.notes, told):
                 tell(note_event(note, report.frame))
@@ -118,7 +118,7 @@ def render_sequence(
     except KeyboardInterrupt as interrupt:
         stopped = interrupt.exit_code if isinstance(interrupt, Stopped) else 128 + signal.SIGINT
     finally:
-        _remove_temporary_files(job)
+        shared.sweep()
     failed = any(report.status == "failed" for report in reports)
     types = {name: node.declaration.type for name, node in job.graph.nodes.items()}
     result = Report(
@@ -132,17 +132,27 @@ def render_sequence(
     return result
 
 
-def _render_frames(job: Job, numbers: Iterable[int], carried: CarryOver) -> Iterator[FrameReport]:
-    """Yield the report of each frame as it is rendered; once the disk is full, report all further frames as failed."""
+def _render_frames(
+    job: Job, numbers: Iterable[int], carried: CarryOver, shared: SharedSequence, tell: Listener
+) -> Iterator[FrameReport]:
+    """Yield the report of each frame as it is rendered; once the disk is full, report all further frames as failed.
+
+    Frames that other runs are writing come last.
+    """
     full = False
     for number in numbers:
         if full:
             error = WriteError("not made: the disk is full", code="disk-full", frame=number)
             yield FrameReport(number, "failed", error=error)
             continue
-        report = render_frame(job, number, carried)
+        report = render_frame(job, number, carried, watch=shared.watch)
         full = report.error is not None and report.error.code == "disk-full"
-        yield report
+        if not shared.leaves(report):
+            yield report
+    yield from shared.settle(
+        lambda number, left: render_frame(job, number, carried, watch=shared.watch, left=left),
+        lambda note: tell(note_event(note)),
+    )
 
 
 def _untold(notes: Iterable[Note], told: dict[tuple[object, ...], None]) -> Iterator[Note]:
@@ -155,11 +165,3 @@ def _untold(notes: Iterable[Note], told: dict[tuple[object, ...], None]) -> Iter
         if name not in told or not (note.once or note.frame is not None):
             told[name] = None
             yield note
-
-
-def _remove_temporary_files(job: Job) -> None:
-    """Remove the temporary files that runs which have ended left beside the outputs of this one."""
-    for patterns in job.outputs.values():
-        for pattern in patterns:
-            folder, name = os.path.split(pattern)
-            sweep(folder or ".", name)

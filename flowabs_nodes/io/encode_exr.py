@@ -20,10 +20,11 @@ from flowabs_nodes.color import ocio
 from flowabs_nodes.errors import WriteError
 from flowabs_nodes.image import Image
 from flowabs_nodes.io import alpha as alphas
-from flowabs_nodes.io import attributes, exr_header, nonfinite
+from flowabs_nodes.io import attributes, exr_header, nonfinite, pixel_hash
 from flowabs_nodes.io.formats import Format
 from flowabs_nodes.io.output_image import Picture, layer_planes, main_planes
 from flowabs_nodes.io.passthrough import alpha_left_out, passthrough_layers
+from flowabs_nodes.io.provenance import KEY, PIXELS
 from flowabs_nodes.port_types import pixel_type
 
 Say = Callable[[str], None]
@@ -39,9 +40,9 @@ _TYPES = {"float16": "half", "float32": "float", "uint32": "uint"}
 def encode_exr(picture: Picture, format: Format, stamps: Mapping[str, str], warn: Say) -> bytes:
     """Return the file's bytes: the main part with image, layers and kept layers, then the kept parts.
 
-    ``stamps`` are attributes of the main part. ``warn`` is told what had to be changed (NaN, values beyond half), and
-    of a lossy compression. Raises WriteError where two channels would have one name, or the OpenEXR module refuses a
-    header.
+    ``stamps`` are attributes of the main part, and with a key a hash of the pixels joins them. ``warn`` is told what
+    had to be changed (NaN, values beyond half), and of a lossy compression. Raises WriteError where two channels would
+    have one name, or the OpenEXR module refuses a header.
     """
     channels: Planes = {}
     for name, layer in picture.layers.items():
@@ -63,6 +64,8 @@ def encode_exr(picture: Picture, format: Format, stamps: Mapping[str, str], warn
         translated, content = attributes.given(name, value)
         header[translated] = content
     header.update(stamps)
+    if KEY in stamps:
+        header[PIXELS] = pixel_hash.PLACE
     plate = exr_header.plate_compression(picture.image.spec)
     exr_header.set_views(header, picture.image, channels, picture.settings)
     parts = [_part(header, channels, picture.compression, plate if picture.plate_format is format else "", warn)]
@@ -79,6 +82,8 @@ def encode_exr(picture: Picture, format: Format, stamps: Mapping[str, str], warn
         OpenEXR.File([OpenEXR.Part(part, planes, part.get("name", "")) for part, planes in parts]).write(stream)
     except (RuntimeError, ValueError, TypeError) as error:
         raise WriteError(f"cannot be encoded as EXR: {error}") from error
+    if KEY in stamps:
+        pixel_hash.sign_exr(stream, PIXELS)
     return stream.getvalue()
 
 

@@ -23,6 +23,7 @@ from flowabs_nodes.io.image_file import open_picture
 from flowabs_nodes.io.limits import check_display_window
 from flowabs_nodes.io.oiio_error import reason
 from flowabs_nodes.io.output_image import Picture, main_planes
+from flowabs_nodes.io.pixel_hash import decoded_hash
 from flowabs_nodes.io.settings import Settings
 from flowabs_nodes.port_types import pixel_type
 
@@ -40,9 +41,9 @@ _BASETYPES = {
 def encode_flat(picture: Picture, format: Format, stamps: Mapping[str, str], warn: Say) -> bytes:
     """Return the file's bytes: colour encoded for the screen, alpha straight; mattes and mono as they are.
 
-    ``stamps`` are stored where ``format.stamps`` says; ``warn`` is told what the format cannot hold. Raises WriteError
-    for an image that is no picture to look at (flow, depth, ids ...), for a display window above ``max_pixels``, and
-    where OpenImageIO fails.
+    ``stamps`` are stored where ``format.stamps`` says, and with a key a hash of the pixels; ``warn`` is told what the
+    format cannot hold. Raises WriteError for an image that is no picture to look at (flow, depth, ids ...), for a
+    display window above ``max_pixels``, and where OpenImageIO fails.
     """
     image = picture.image
     declared = pixel_type(image.type)
@@ -60,6 +61,8 @@ def encode_flat(picture: Picture, format: Format, stamps: Mapping[str, str], war
     if encoding is None and image.type == "color" and image.colorspace != color.space("lin_rec709"):
         warn(f"{format.name} cannot say that its colours are {image.colorspace}; colorspace converts them")
     pixels = _quantised(_encoded(image, encoding, picture.settings, warn), data_type)
+    if provenance.KEY in stamps:
+        stamps = {**stamps, provenance.PIXELS: decoded_hash(pixels)}
     return _through_oiio(format, _header(picture, format, data_type, pixels, encoding, stamps), pixels)
 
 

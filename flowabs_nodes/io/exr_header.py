@@ -71,7 +71,11 @@ def header_of_part(path: str, part: int) -> dict[str, Any]:
     Only for a file that OpenImageIO has opened: the OpenEXR module may take gigabytes for a hostile one.
     """
     parts = OpenEXR.File(path, separate_channels=True, header_only=True).parts
-    header = {name: value for name, value in parts[part].header.items() if name not in _ENCODING}
+    header = {
+        name: value
+        for name, value in parts[part].header.items()
+        if name not in _ENCODING and not name.startswith("flowabs:")
+    }
     for name in ("dataWindow", "displayWindow"):
         header[name] = parts[part].header[name]
     return header

@@ -11,12 +11,13 @@ from contextlib import nullcontext
 
 from flowabs_nodes.errors import FlowabsError, WriteError
 from flowabs_nodes.io import formats
+from flowabs_nodes.io.claim import Claim, claim
 from flowabs_nodes.io.formats import Encoder, Format
-from flowabs_nodes.io.frame_lock import Claim, claim, failure
 from flowabs_nodes.io.output_image import Picture, build_picture
-from flowabs_nodes.io.provenance import GRAPH, KEY, stored_key
+from flowabs_nodes.io.provenance import GRAPH, KEY, SCALE, stored_key
 from flowabs_nodes.io.settings import Settings, checked
 from flowabs_nodes.io.verify import is_whole
+from flowabs_nodes.io.write_failure import failure
 
 __all__ = ["Picture", "build_picture", "is_whole", "save", "stored_key"]
 
@@ -27,13 +28,15 @@ def save(
     *,
     key: str = "",
     graph: str = "",
+    scale: float | None = None,
     settings: Settings | None = None,
     claimed: Claim | None = None,
     warn: Callable[[str], None] = lambda text: None,
 ) -> None:
     """Write a picture in the format of the file's extension (:func:`flowabs_nodes.io.formats.to_write`).
 
-    ``key`` and ``graph`` are stored in the file (:func:`stored_key`). An existing file is replaced in one step.
+    ``key``, ``graph`` (a document as JSON) and ``scale`` are stored in the file, and with a key a hash of its pixels
+    (:mod:`flowabs_nodes.io.provenance`). An existing file is replaced in one step.
     ``claimed`` is a claim on the path that the caller already holds, and will release; without one, a claim is made for
     the time of writing. ``warn`` is told what the format cannot hold.
 
@@ -44,7 +47,8 @@ def save(
     try:
         format = formats.to_write(name)
         with nullcontext(claimed) if claimed else claim(name) as held:
-            _write(picture, format, held, {stamp: text for stamp, text in ((KEY, key), (GRAPH, graph)) if text}, warn)
+            known = {KEY: key, GRAPH: graph, SCALE: "" if scale is None else repr(float(scale))}
+            _write(picture, format, held, {stamp: text for stamp, text in known.items() if text}, warn)
     except FlowabsError as error:
         error.at(file=os.fspath(name))
         raise

@@ -90,5 +90,5 @@ def codes(report: Report) -> dict[int, str]:
 
 
 def leftovers(folder: Path) -> list[Path]:
-    """Return the temporary files anywhere in a folder."""
-    return [path for path in folder.rglob("*") if path.name.endswith(".tmp")]
+    """Return the temporary files and claims anywhere in a folder."""
+    return [path for path in folder.rglob(".*") if path.is_file()]

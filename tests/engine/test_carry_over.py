@@ -273,10 +273,10 @@ def test_graph_run_tells_each_frames_notes_under_its_own_number(shot, calls):
 
 
 def test_the_files_of_other_frames_are_not_claimed(shot, tmp_path):
-    from flowabs_nodes.io.frame_lock import claim
+    from flowabs_nodes.io.claim import claim
 
     graph = load(chain("mean", plate={"file": shot}), MEAN)
     (tmp_path / "out.0004.exr").parent.mkdir(exist_ok=True)
     with claim(str(tmp_path / "out.0004.exr")):
-        report = engine.run(graph, output=str(tmp_path / "out.####.exr"), frames="3-5")
-    assert statuses(report) == [(3, "done"), (4, "failed"), (5, "done")]
+        report = engine.run(graph, output=str(tmp_path / "out.####.exr"), frames="3,5")
+    assert statuses(report) == [(3, "done"), (5, "done")]

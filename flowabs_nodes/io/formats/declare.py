@@ -84,6 +84,9 @@ class Format:
         What OpenImageIO is asked for; "" is the format's own default.
     layers
         True where a file holds any number of layers and parts.
+    hashed
+        What the hash of a file's pixels is made of (:mod:`flowabs_nodes.io.pixel_hash`): of the "decoded" values, or of
+        the bytes as they are "stored".
     stamps
         Where key and graph of a run are stored: in "attributes" of their own, or as lines of the "description" where
         the format drops attributes that it does not know.
@@ -111,6 +114,7 @@ class Format:
     data_types: tuple[str, ...] = ()
     compression: str = ""
     layers: bool = False
+    hashed: Literal["decoded", "stored"] = "decoded"
     stamps: Literal["attributes", "description"] = "attributes"
     storage: tuple[str, ...] = ()
 

@@ -29,5 +29,6 @@ EXR = Format(
     encoder="flowabs_nodes.io.encode_exr:encode_exr",
     data_types=("half", "float"),
     layers=True,
+    hashed="stored",
     storage=("openexr:",),
 )
