@@ -12,8 +12,8 @@ PACKAGE = "flowabs_nodes"
 
 #: The floors of the house, the lowest first. The rooms of one line stand side by side.
 FLOORS = (
-    ("errors", "choices", "array_types"),
-    ("simd",),
+    ("errors", "choices", "array_types", "stopping"),
+    ("simd", "signals"),
     ("sampling",),
     ("color", "filters"),
     ("image", "image_convert", "image_parts", "image_state", "encodings", "port_types"),

@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from flowabs_nodes.simd import bands, compile_hooks
+from flowabs_nodes.stopping import Stopped
 
 HEIGHT, WIDTH = 24, 40
 PARENT = Path(__file__).parents[2]  # where this package is
@@ -63,7 +64,7 @@ def _load_ahead(graph: str, values: Mapping[str, Any], over: Callable[[], bool])
     """Begin the thread. Its name says that a process may end without waiting for it."""
 
     def load() -> None:
-        with suppress(Exception), bands.limited(1):  # the run itself says what is wrong
+        with suppress(Exception, Stopped), bands.limited(1):  # the run itself says what is wrong
             run_small(graph, values, own_only=True, over=over)
 
     threading.Thread(target=load, name="flowabs-ahead", daemon=True).start()

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import os
-import signal
 import time
 from collections.abc import Iterable, Iterator
 from typing import Any
 
+from flowabs_nodes import stopping
 from flowabs_nodes.engine.carry_over import CarryOver
 from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.job_builder import build_job
@@ -26,11 +26,12 @@ from flowabs_nodes.engine.report import (
 )
 from flowabs_nodes.engine.result_store import ResultStore
 from flowabs_nodes.engine.runnable import GraphSource, load_graph
-from flowabs_nodes.engine.signals import Stopped
 from flowabs_nodes.engine.sources import passed_over, same_picture
 from flowabs_nodes.errors import WriteError
 from flowabs_nodes.io.frame_lock import sweep
 from flowabs_nodes.io.settings import Settings
+from flowabs_nodes.signals import interruptible
+from flowabs_nodes.stopping import Stopped
 
 
 @takes_run_options
@@ -62,8 +63,8 @@ def run(
     -------
     Report
         What became of every frame, and the exit code. A frame that fails does not stop the others, except on a full
-        disk. An interrupt ends the run with exit code 130 (143 for SIGTERM inside
-        :func:`~flowabs_nodes.engine.signals.stop_on_signals`), without temporary files left behind.
+        disk. Ctrl-C ends the run with exit code 130, without temporary files left behind; a second one raises
+        KeyboardInterrupt at once.
 
     Raises
     ------
@@ -71,7 +72,8 @@ def run(
         The graph, an option or the OCIO config is wrong; nothing has been written.
     """
     asked = RunOptions(**(vars(settings or Settings()) | options))
-    return render_sequence(graph, asked, profile=profile, on_event=on_event)
+    with interruptible():
+        return render_sequence(graph, asked, profile=profile, on_event=on_event)
 
 
 def render_sequence(
@@ -113,8 +115,9 @@ def render_sequence(
             for note in _untold(report.notes, told):
                 tell(note_event(note, report.frame))
             tell(frame_event(report))
+        stopping.check()
     except KeyboardInterrupt as interrupt:
-        stopped = interrupt.exit_code if isinstance(interrupt, Stopped) else 128 + signal.SIGINT
+        stopped = (interrupt if isinstance(interrupt, Stopped) else Stopped()).exit_code
     finally:
         _remove_temporary_files(job)
     failed = any(report.status == "failed" for report in reports)
@@ -134,6 +137,7 @@ def _render_frames(job: Job, numbers: Iterable[int], carried: CarryOver) -> Iter
     """Yield the report of each frame as it is rendered; once the disk is full, report all further frames as failed."""
     full = False
     for number in numbers:
+        stopping.check()
         if full:
             error = WriteError("not made: the disk is full", code="disk-full", frame=number)
             yield FrameReport(number, "failed", error=error)

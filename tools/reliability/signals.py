@@ -1,0 +1,118 @@
+"""Stop a run by a signal at random moments, and look at what it left: ``python -m tools.reliability.signals``."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+PICTURE = Path(__file__).parents[2] / "docs/pictures/coffee.exr"
+FRAMES = 40
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of one run that was sent a signal ``moment`` seconds after it began."""
+
+    number: int
+    moment: float
+    code: int
+    seconds: float  #: from the signal to the end
+    made: int  #: whole frames
+    errors: str
+    left: tuple[str, ...]  #: other files in the folder
+
+    @property
+    def fault(self) -> str:
+        """Return what is wrong, "" for nothing."""
+        name = signal.Signals(self.number).name
+        if self.code == 124:
+            return f"hangs after {name}"
+        if self.code == 0 and self.made < FRAMES:
+            return f"{name} made it exit 0 with {self.made} of {FRAMES} frames"
+        ours = f"{os.sep}flowabs_nodes{os.sep}" in self.errors
+        if self.made == 0 and not ours and self.code in (-self.number, 1):
+            return ""  # Python itself was still starting
+        if self.code not in (0, 128 + self.number):
+            return f"exit code {self.code} after {name}: {self.errors.strip()[-300:]}"
+        if "Traceback" in self.errors:
+            return f"a traceback after {name}: {self.errors.splitlines()[-1]}"
+        return f"left behind: {', '.join(self.left)}" if self.left else ""
+
+
+@contextmanager
+def sequence(cold: bool) -> Iterator[Path]:
+    """Give a folder with a sequence of one picture, and with an empty folder for kernels if the run is to compile."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for frame in range(1, FRAMES + 1):
+            shutil.copyfile(PICTURE, folder / f"plate.{frame:04}.exr")
+        if cold:
+            (folder / "cache").mkdir()
+        yield folder
+
+
+def stop(number: int, moment: float, *, cold: bool = False, patience: float = 60.0) -> Outcome:
+    """Begin a run, send it the signal after ``moment`` seconds, and say what became of it."""
+    with sequence(cold) as folder:
+        command = [sys.executable, "-m", "flowabs_nodes", "run", "lines"]
+        command += ["-i", str(folder / "plate.####.exr"), "-o", str(folder / "out/lines.####.exr")]
+        environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
+        if cold:
+            environment["NUMBA_CACHE_DIR"] = str(folder / "cache")
+        pipes = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE, "text": True}
+        with subprocess.Popen(command, env=environment, **pipes) as process:  # type: ignore[call-overload]
+            time.sleep(moment)
+            process.send_signal(number)
+            sent = time.monotonic()
+            try:
+                _, errors = process.communicate(timeout=patience)
+                code = process.returncode
+            except subprocess.TimeoutExpired:
+                process.kill()
+                _, errors = process.communicate()
+                code = 124
+        seconds = time.monotonic() - sent
+        files = os.listdir(folder / "out") if (folder / "out").exists() else []
+        frames = [name for name in files if name.startswith("lines.")]
+        return Outcome(number, moment, code, seconds, len(frames), errors, tuple(sorted(set(files) - set(frames))))
+
+
+def main() -> int:
+    """Stop many runs; return 1 if anything was wrong with one of them."""
+    parser = argparse.ArgumentParser(prog="python -m tools.reliability.signals", description=__doc__)
+    parser.add_argument("--times", type=int, default=100)
+    parser.add_argument("--longest", type=float, default=4.0, metavar="SECONDS", help="the latest moment (4)")
+    parser.add_argument("--cold", action="store_true", help="with an empty folder for kernels")
+    parser.add_argument("--seed", type=int, default=1)
+    given = parser.parse_args()
+    chance = random.Random(given.seed)
+    outcomes = []
+    for _ in range(given.times):
+        number = chance.choice([signal.SIGINT, signal.SIGTERM])
+        outcomes.append(stop(number, chance.uniform(0.0, given.longest), cold=given.cold))
+        if outcomes[-1].fault:
+            print(f"at {outcomes[-1].moment:.3f} s: {outcomes[-1].fault}")
+    outcomes.sort(key=lambda each: each.seconds)
+    half, last = outcomes[len(outcomes) // 2], outcomes[-1]
+    faults = sum(bool(each.fault) for each in outcomes)
+    codes = {code: sum(each.code == code for each in outcomes) for code in {each.code for each in outcomes}}
+    print(f"{len(outcomes)} runs, {faults} faults, exit codes {codes}")
+    print(
+        f"from the signal to the end: median {half.seconds:.2f} s, longest {last.seconds:.2f} s (at {last.moment:.3f} s)"
+    )
+    return int(faults > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
