@@ -36,7 +36,7 @@ _listening = False
 
 @contextmanager
 def stop_on_signals() -> Iterator[None]:
-    """Have the signals that ask a process to stop set its flag inside, in the main thread; in any other nothing changes.
+    """Have the signals that ask a process to stop set its flag inside; in any thread but the main one nothing changes.
 
     A signal that the process was started to ignore (``nohup``) stays ignored. Who is inside asks
     :func:`flowabs_nodes.stopping.check` at the end too: a signal may come when all work is done.

@@ -1,7 +1,7 @@
 """Ends work in good order: somebody sets a flag, and the work looks at it between frames, nodes and bands of rows.
 
-An exception out of a signal handler can come up anywhere, inside of a lock of the compiler too, and is then lost or leaves
-the lock taken. A flag is only looked at where work may end.
+An exception out of a signal handler can come up anywhere, inside of a lock of the compiler too, and is then lost or
+leaves the lock taken. A flag is only looked at where work may end.
 """
 
 from __future__ import annotations

@@ -110,21 +110,28 @@ def test_one_signal_ends_it_after_a_while():
 
 def test_ctrl_c_in_python_waits_for_a_place_where_work_may_end():
     places = []
-    with pytest.raises(KeyboardInterrupt), interruptible():
+
+    def work():
         os.kill(os.getpid(), signal.SIGINT)
         places.append("not in the middle of anything")
         stopping.check()
         places.append("never here")
+
+    with pytest.raises(KeyboardInterrupt), interruptible():
+        work()
     assert places == ["not in the middle of anything"]
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
     stopping.check()
 
 
 def test_a_second_ctrl_c_in_python_is_pythons_own():
-    with pytest.raises(KeyboardInterrupt) as interrupt, interruptible():
+    def work():
         os.kill(os.getpid(), signal.SIGINT)
         os.kill(os.getpid(), signal.SIGINT)
         time.sleep(10)
+
+    with pytest.raises(KeyboardInterrupt) as interrupt, interruptible():
+        work()
     assert not isinstance(interrupt.value, stopping.Stopped)
 
 
