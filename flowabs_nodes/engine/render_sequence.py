@@ -8,12 +8,11 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from flowabs_nodes import stopping
-from flowabs_nodes.engine.carry_over import CarryOver
 from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.job_builder import build_job
 from flowabs_nodes.engine.options import RunOptions, takes_run_options
 from flowabs_nodes.engine.profile import total_times
-from flowabs_nodes.engine.render_frame import render_frame
+from flowabs_nodes.engine.render_frames import render_frames
 from flowabs_nodes.engine.report import (
     FrameReport,
     Listener,
@@ -27,7 +26,6 @@ from flowabs_nodes.engine.report import (
 from flowabs_nodes.engine.result_store import ResultStore
 from flowabs_nodes.engine.runnable import GraphSource, load_graph
 from flowabs_nodes.engine.sources import passed_over, same_picture
-from flowabs_nodes.errors import WriteError
 from flowabs_nodes.io.frame_lock import sweep
 from flowabs_nodes.io.settings import Settings
 from flowabs_nodes.signals import interruptible
@@ -84,7 +82,7 @@ def render_sequence(
     on_event: Listener | None = None,
     store: ResultStore | None = None,
 ) -> Report:
-    """Render the frames that ``options`` ask for, one after the other.
+    """Render the frames that ``options`` ask for.
 
     ``store`` holds the results that later frames will ask for again, in graphs some of whose nodes read other frames
     than their own; without one they are held in 4 GiB. Its bound is on what is held from frame to frame, beside the
@@ -104,14 +102,17 @@ def render_sequence(
     about += passed_over(job.graph) + same_picture(job.graph, len(numbers))
     for note in about:
         tell(note_event(note))
-    reports: list[FrameReport] = []
+
+    def say(note: Note) -> None:
+        tell(note_event(note))
+
+    reports: dict[int, FrameReport] = {}
     told: dict[tuple[object, ...], None] = {}
-    carried = CarryOver(job.graph, numbers, ResultStore() if store is None else store)
     stopped = 0
     try:
         _remove_temporary_files(job)
-        for report in _render_frames(job, numbers, carried):
-            reports.append(report)
+        for report in render_frames(job, numbers, options, store or ResultStore(), say):
+            reports[report.frame] = report
             for note in _untold(report.notes, told):
                 tell(note_event(note, report.frame))
             tell(frame_event(report))
@@ -120,31 +121,17 @@ def render_sequence(
         stopped = (interrupt if isinstance(interrupt, Stopped) else Stopped()).exit_code
     finally:
         _remove_temporary_files(job)
-    failed = any(report.status == "failed" for report in reports)
+    failed = any(report.status == "failed" for report in reports.values())
     types = {name: node.declaration.type for name, node in job.graph.nodes.items()}
     result = Report(
-        frames=tuple(reports),
+        frames=tuple(reports[number] for number in numbers if number in reports),
         exit_code=stopped or int(failed),
         seconds=time.perf_counter() - start,
         notes=about,
-        profile=total_times((each.timings for each in reports), types) if profile else None,
+        profile=total_times((each.timings for each in reports.values()), types) if profile else None,
     )
     tell(end_event(result))
     return result
-
-
-def _render_frames(job: Job, numbers: Iterable[int], carried: CarryOver) -> Iterator[FrameReport]:
-    """Yield the report of each frame as it is rendered; once the disk is full, report all further frames as failed."""
-    full = False
-    for number in numbers:
-        stopping.check()
-        if full:
-            error = WriteError("not made: the disk is full", code="disk-full", frame=number)
-            yield FrameReport(number, "failed", error=error)
-            continue
-        report = render_frame(job, number, carried)
-        full = report.error is not None and report.error.code == "disk-full"
-        yield report
 
 
 def _untold(notes: Iterable[Note], told: dict[tuple[object, ...], None]) -> Iterator[Note]:
