@@ -204,9 +204,8 @@ class RunOptions:
         for name in ("jobs", "threads", "retries"):
             self._check_count(name)
         timeout: Any = self.timeout
-        if timeout is not None and (
-            isinstance(timeout, bool) or not isinstance(timeout, Real) or not float(timeout) > 0
-        ):
+        is_number = isinstance(timeout, Real) and not isinstance(timeout, bool)
+        if timeout is not None and not (is_number and float(timeout) > 0):
             raise ArgumentError(f"timeout: expected seconds above 0, found {timeout!r}", parameter="timeout")
         _ = self.memory_bytes
 

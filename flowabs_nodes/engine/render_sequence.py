@@ -111,7 +111,7 @@ def render_sequence(
     stopped = 0
     try:
         _remove_temporary_files(job)
-        for report in render_frames(job, numbers, options, store or ResultStore(), say):
+        for report in render_frames(job, numbers, options, ResultStore() if store is None else store, say):
             reports[report.frame] = report
             for note in _untold(report.notes, told):
                 tell(note_event(note, report.frame))

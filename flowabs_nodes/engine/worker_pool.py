@@ -104,6 +104,7 @@ class WorkerPool:
         self._note = note
         self._inbox: queue.SimpleQueue[tuple[_Worker, Any]] = queue.SimpleQueue()
         self._workers: list[_Worker] = []
+        self._leaving: list[_Worker] = []  # asked to end
         self._waiting: deque[tuple[int, ...]] = deque()
         self._tries: dict[int, int] = {}
         self._told_alone = False
@@ -152,6 +153,7 @@ class WorkerPool:
         idle = [worker for worker in self._workers if not worker.left]
         for worker in idle[: max(0, len(self._workers) - useful)]:
             self._workers.remove(worker)
+            self._leaving.append(worker)
             worker.close()
             idle.remove(worker)
         for worker in idle:
@@ -177,7 +179,8 @@ class WorkerPool:
             case Ended(report, peak):
                 worker.frame = None
                 worker.left.remove(report.frame)
-                self._peak = max(self._peak, peak, 1)
+                if report.status == "done":  # to look at a frame that is there takes less
+                    self._peak = max(self._peak, peak, 1)
                 yield report
             case None if worker in self._workers:
                 self._workers.remove(worker)
@@ -224,18 +227,20 @@ class WorkerPool:
         """End all processes: each gives up its frame, or is killed."""
         for worker in self._workers:
             worker.close()
+        self._leaving += self._workers
         end = time.monotonic() + (_PATIENCE if self._busy() else 0.0)
-        for worker in self._workers:
+        for worker in self._leaving:
             try:
                 worker.process.wait(max(0.0, end - time.monotonic()))
             except subprocess.TimeoutExpired:
                 worker.process.kill()
                 worker.process.wait()
         self._workers.clear()
+        self._leaving.clear()
 
     def _kill(self) -> None:
         """Kill all processes, at once."""
-        for worker in list(self._workers):
+        for worker in [*self._workers, *self._leaving]:
             worker.process.kill()
 
 
