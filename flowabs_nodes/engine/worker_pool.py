@@ -227,6 +227,8 @@ class WorkerPool:
         """End all processes: each gives up its frame, or is killed."""
         for worker in self._workers:
             worker.close()
+            if worker.frame is None:  # nothing to give up
+                worker.process.kill()
         self._leaving += self._workers
         end = time.monotonic() + (_PATIENCE if self._busy() else 0.0)
         for worker in self._leaving:

@@ -5,18 +5,14 @@ from __future__ import annotations
 import argparse
 import os
 import random
-import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
 
-PICTURE = Path(__file__).parents[2] / "docs/pictures/coffee.exr"
+from tools.reliability.runs import shot
+
 FRAMES = 40
 
 
@@ -50,28 +46,11 @@ class Outcome:
         return f"left behind: {', '.join(self.left)}" if self.left else ""
 
 
-@contextmanager
-def sequence(cold: bool) -> Iterator[Path]:
-    """Give a folder with a sequence of one picture, and with an empty folder for kernels if the run is to compile."""
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        for frame in range(1, FRAMES + 1):
-            shutil.copyfile(PICTURE, folder / f"plate.{frame:04}.exr")
-        if cold:
-            (folder / "cache").mkdir()
-        yield folder
-
-
-def stop(number: int, moment: float, *, cold: bool = False, patience: float = 60.0) -> Outcome:
+def stop(number: int, moment: float, *, cold: bool = False, jobs: int = 1, patience: float = 60.0) -> Outcome:
     """Begin a run, send it the signal after ``moment`` seconds, and say what became of it."""
-    with sequence(cold) as folder:
-        command = [sys.executable, "-m", "flowabs_nodes", "run", "lines"]
-        command += ["-i", str(folder / "plate.####.exr"), "-o", str(folder / "out/lines.####.exr")]
-        environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
-        if cold:
-            environment["NUMBA_CACHE_DIR"] = str(folder / "cache")
-        pipes = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE, "text": True}
-        with subprocess.Popen(command, env=environment, **pipes) as process:  # type: ignore[call-overload]
+    with shot(FRAMES) as here:
+        kernels = {"NUMBA_CACHE_DIR": str(here.folder / "cache")} if cold else {}
+        with here.begin("--jobs", str(jobs), **kernels) as process:
             time.sleep(moment)
             process.send_signal(number)
             sent = time.monotonic()
@@ -83,9 +62,8 @@ def stop(number: int, moment: float, *, cold: bool = False, patience: float = 60
                 _, errors = process.communicate()
                 code = 124
         seconds = time.monotonic() - sent
-        files = os.listdir(folder / "out") if (folder / "out").exists() else []
-        frames = [name for name in files if name.startswith("lines.")]
-        return Outcome(number, moment, code, seconds, len(frames), errors, tuple(sorted(set(files) - set(frames))))
+        frames, others = here.files()
+        return Outcome(number, moment, code, seconds, len(frames), errors, tuple(sorted(others)))
 
 
 def main() -> int:
@@ -94,13 +72,14 @@ def main() -> int:
     parser.add_argument("--times", type=int, default=100)
     parser.add_argument("--longest", type=float, default=4.0, metavar="SECONDS", help="the latest moment (4)")
     parser.add_argument("--cold", action="store_true", help="with an empty folder for kernels")
+    parser.add_argument("--jobs", type=int, default=1, help="of each run (1)")
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
     chance = random.Random(given.seed)
     outcomes = []
     for _ in range(given.times):
         number = chance.choice([signal.SIGINT, signal.SIGTERM])
-        outcomes.append(stop(number, chance.uniform(0.0, given.longest), cold=given.cold))
+        outcomes.append(stop(number, chance.uniform(0.0, given.longest), cold=given.cold, jobs=given.jobs))
         if outcomes[-1].fault:
             print(f"at {outcomes[-1].moment:.3f} s: {outcomes[-1].fault}")
     outcomes.sort(key=lambda each: each.seconds)
