@@ -66,6 +66,10 @@ class FlowabsError(Exception):
         text = ": ".join([*(part for part in place if part), self.message])
         return f"{text} ({self.hint})" if self.hint else text
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Let an error travel to another process as what it is, without its cause, whatever its class is made from."""
+        return _remade, (type(self), self.args), self.__dict__
+
     def to_dict(self) -> dict[str, Any]:
         """Return the error as plain data, for ``--json``; keys without a value are left out."""
         fields = {
@@ -78,6 +82,13 @@ class FlowabsError(Exception):
             "parameter": self.parameter,
         }
         return {key: value for key, value in fields.items() if value is not None}
+
+
+def _remade(kind: type[FlowabsError], arguments: tuple[object, ...]) -> FlowabsError:
+    """Return an error of a class; its attributes are set afterwards."""
+    error = kind.__new__(kind, *arguments)
+    error.args = arguments
+    return error
 
 
 class ArgumentError(FlowabsError, ValueError):

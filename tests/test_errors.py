@@ -1,5 +1,10 @@
+import importlib
+import pickle
+import pkgutil
+
 import pytest
 
+import flowabs_nodes
 from flowabs_nodes.errors import FlowabsError, closest, nearest
 
 
@@ -44,3 +49,27 @@ def test_node_and_parameter_are_named_once(message, text):
 
 def test_a_message_may_begin_with_any_word_where_no_place_is_known():
     assert str(FlowabsError("None is no number")) == "None is no number"
+
+
+def every_error():
+    """Return every class of the family that the package declares."""
+    for module in pkgutil.walk_packages(flowabs_nodes.__path__, "flowabs_nodes."):
+        if module.name != "flowabs_nodes.__main__":
+            importlib.import_module(module.name)
+    found, waiting = [], [FlowabsError]
+    while waiting:
+        found.append(waiting.pop())
+        waiting += found[-1].__subclasses__()
+    return [each for each in found if each.__module__.startswith("flowabs_nodes.")]
+
+
+def test_every_error_can_travel_to_another_process_however_it_is_made():
+    classes = every_error()
+    assert len(classes) > 8
+    for each in classes:
+        error = each.__new__(each, "went wrong")
+        FlowabsError.__init__(error, "went wrong", code="a-code", hint="try again", file="a.exr", frame=7)
+        error.more = ["anything"]
+        again = pickle.loads(pickle.dumps(error))
+        assert type(again) is each
+        assert (str(again), again.to_dict(), again.more) == (str(error), error.to_dict(), error.more)

@@ -12,8 +12,8 @@ PACKAGE = "flowabs_nodes"
 
 #: The floors of the house, the lowest first. The rooms of one line stand side by side.
 FLOORS = (
-    ("errors", "choices", "array_types", "file_hash"),
-    ("simd",),
+    ("errors", "choices", "array_types", "file_hash", "stopping"),
+    ("simd", "signals"),
     ("sampling",),
     ("color", "filters"),
     ("image", "array_kind", "image_convert", "image_parts", "image_preview", "image_state", "encodings", "port_types"),

@@ -17,6 +17,7 @@ from typing import NoReturn
 import click
 
 import flowabs_nodes
+from flowabs_nodes import stopping
 from flowabs_nodes.cli import shells
 from flowabs_nodes.cli.check import check
 from flowabs_nodes.cli.colorspaces import colorspaces
@@ -24,8 +25,8 @@ from flowabs_nodes.cli.graph_listing import graphs
 from flowabs_nodes.cli.listings import nodes, schema
 from flowabs_nodes.cli.run import run
 from flowabs_nodes.engine.error_boundary import InternalError
-from flowabs_nodes.engine.signals import Stopped, stop_on_signals
 from flowabs_nodes.errors import FlowabsError, ReadError, WriteError
+from flowabs_nodes.signals import stop_on_signals
 
 
 def _show_version(context: click.Context, option: click.Parameter, value: bool) -> None:
@@ -70,10 +71,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with stop_on_signals():
             code = cli.main(arguments, prog_name="flowabs", standalone_mode=False)
+            stopping.check()
         return code if isinstance(code, int) else 0
-    except click.Abort as abort:
+    except stopping.Stopped as stopped:
+        return stopped.exit_code
+    except click.Abort as abort:  # what click makes of Stopped
         cause = abort.__cause__
-        return cause.exit_code if isinstance(cause, Stopped) else 130
+        return cause.exit_code if isinstance(cause, stopping.Stopped) else 130
     except click.ClickException as error:
         error.show()
         return 2
@@ -85,7 +89,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 1
 
 
-def script() -> NoReturn:
+def run_process() -> NoReturn:
     """Run the command that the process was started with, and end the process."""
     gc.set_threshold(50_000)  # imports and compilation make many objects, and hardly any of them garbage
     code = main()

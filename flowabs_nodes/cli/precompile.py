@@ -15,24 +15,13 @@ import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from pathlib import Path
 from typing import Any
 
+from flowabs_nodes.engine import child_python
 from flowabs_nodes.simd import bands, compile_hooks
+from flowabs_nodes.stopping import Stopped
 
 HEIGHT, WIDTH = 24, 40
-PARENT = Path(__file__).parents[2]  # where this package is
-
-#: What the other process runs. This package may lie in the current folder, whose other files (a json.py) are nobody's
-#: business: so its place comes last, and if another copy comes first there is nothing to be done.
-_OTHER = """
-import sys
-sys.path.append(sys.argv[1])
-import flowabs_nodes
-if flowabs_nodes.__file__ == sys.argv[2]:
-    from flowabs_nodes.cli.precompile import main
-    main(*sys.argv[3:])
-"""
 
 
 @contextmanager
@@ -46,7 +35,7 @@ def compiling_ahead(graph: str, values: Mapping[str, Any]) -> Iterator[None]:
             begun.append(_begin(graph, values))
 
     if bands.thread_count() > 1:
-        if not getattr(sys, "frozen", False):  # there is a Python to start
+        if child_python.can_start():
             compile_hooks.waiting.append(begin)
         _load_ahead(graph, values, over.is_set)
     try:
@@ -63,7 +52,7 @@ def _load_ahead(graph: str, values: Mapping[str, Any], over: Callable[[], bool])
     """Begin the thread. Its name says that a process may end without waiting for it."""
 
     def load() -> None:
-        with suppress(Exception), bands.limited(1):  # the run itself says what is wrong
+        with suppress(Exception, Stopped), bands.limited(1):  # the run itself says what is wrong
             run_small(graph, values, own_only=True, over=over)
 
     threading.Thread(target=load, name="flowabs-ahead", daemon=True).start()
@@ -71,16 +60,9 @@ def _load_ahead(graph: str, values: Mapping[str, Any], over: Callable[[], bool])
 
 def _begin(graph: str, values: Mapping[str, Any]) -> subprocess.Popen[bytes]:
     """Begin the other process. It ends when its standard input does: with us, however that happens."""
-    import flowabs_nodes
-
-    there = [path for path in os.environ.get("PYTHONPATH", "").split(os.pathsep) if os.path.isabs(path)]
-    return subprocess.Popen(
-        [sys.executable, "-P", "-c", _OTHER, PARENT, str(flowabs_nodes.__file__), graph, json.dumps(values)],
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(there)},
-        stdin=subprocess.PIPE,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-    )
+    nowhere = subprocess.DEVNULL
+    pipes = {"stdin": subprocess.PIPE, "stdout": nowhere, "stderr": nowhere}
+    return child_python.start("flowabs_nodes.cli.precompile", graph, json.dumps(values), **pipes)
 
 
 def run_small(

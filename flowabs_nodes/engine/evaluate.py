@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flowabs_nodes import stopping
 from flowabs_nodes.encodings import remember_encodings
 from flowabs_nodes.engine.call_node import call_node, call_sink
 from flowabs_nodes.engine.error_boundary import error_boundary
@@ -79,12 +80,15 @@ class Evaluation:
         ------
         FlowabsError
             Whatever went wrong, with node and frame.
+        Stopped
+            The work was asked to stop.
         """
         held, expected = dict(given), self._expected(steps)
         with remember_finite(), remember_encodings() as encodings:
             for result, image in held.items():
                 encodings.expect(image, expected.get(result, frozenset()))
             for step in steps:
+                stopping.check()
                 images: NodeInputs = {
                     name: held[needed]
                     if isinstance(needed, Result)

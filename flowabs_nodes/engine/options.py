@@ -10,11 +10,12 @@ import inspect
 import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import Field, dataclass, field, fields, replace
-from numbers import Real
+from numbers import Integral, Real
 from pathlib import Path
 from typing import Any, TypeVar
 
 from flowabs_nodes.choices import EXISTING, MISSING
+from flowabs_nodes.engine.memory import parse_memory
 from flowabs_nodes.errors import ArgumentError, CommandError, nearest
 from flowabs_nodes.io.settings import Settings, refuse_shell_words
 
@@ -90,6 +91,18 @@ class RunOptions:
         fails those frames.
     missing
         What happens on missing input frames, before the nodes' own policy: error, hold, nearest, black, skip.
+    jobs
+        How many frames are rendered at once, each in a process of its own. Without it, frames are rendered in this
+        process until it is known that others pay, and then as many at once as the processors and ``memory`` allow.
+    threads
+        How many threads the kernels of all jobs use together. Without it, as many as there are processors.
+    memory
+        What all jobs together may take: bytes, or a text such as "16GB" or "50%" of what there is; 80 % without it.
+        A single frame that needs more is rendered alone.
+    timeout
+        Seconds that one frame may take; after that its process is ended.
+    retries
+        How often a frame is tried again whose process was lost or late.
     scale
         Above 0 up to 1: filters and writes a smaller picture, with lengths to match.
     root
@@ -105,7 +118,7 @@ class RunOptions:
     CommandError
         bad-value, where an option is none of its choices.
     ArgumentError
-        bad-value, where ``scale`` is not above 0 up to 1.
+        bad-value, where a number or a size is out of range.
     """
 
     input: PathLike | None = field(
@@ -144,6 +157,25 @@ class RunOptions:
         default=None,
         metadata=_flag("About frames of the plate that are not there; else as the graph says.", choices=MISSING),
     )
+    jobs: int | None = field(
+        default=None,
+        metadata=_flag("Render N frames at once. Without it: as many as pay and fit.", metavar="N", type=int, min=1),
+    )
+    threads: int | None = field(
+        default=None,
+        metadata=_flag("Kernel threads of all jobs together. Without it: all.", metavar="N", type=int, min=1),
+    )
+    memory: str | int | None = field(
+        default=None, metadata=_flag("What all jobs may take: 16GB, 50%. Without it: 80%.", metavar="SIZE")
+    )
+    timeout: float | None = field(
+        default=None,
+        metadata=_flag("A frame that takes longer has failed.", metavar="SECONDS", type=float),
+    )
+    retries: int = field(
+        default=1,
+        metadata=_flag("How often a frame is tried again whose process was lost.", metavar="N", type=int, min=0),
+    )
     scale: float = field(
         default=1.0, metadata=_flag("Filter a smaller picture, with lengths to match: 0.5 is half.", type=float)
     )
@@ -176,6 +208,34 @@ class RunOptions:
         if isinstance(scale, bool) or not isinstance(scale, Real) or not 0 < float(scale) <= 1:
             raise ArgumentError(f"scale: expected a number above 0 up to 1, found {scale!r}", parameter="scale")
         object.__setattr__(self, "scale", float(scale))
+        for name in ("jobs", "threads", "retries"):
+            self._check_count(name)
+        timeout: Any = self.timeout
+        is_number = isinstance(timeout, Real) and not isinstance(timeout, bool)
+        if timeout is not None and not (is_number and float(timeout) > 0):
+            raise ArgumentError(f"timeout: expected seconds above 0, found {timeout!r}", parameter="timeout")
+        _ = self.memory_bytes
+
+    def _check_count(self, name: str) -> None:
+        """Raise ArgumentError where an option that counts something is no whole number, or too small."""
+        value, least = getattr(self, name), next(flag_of(each).min for each in fields(self) if each.name == name) or 0
+        if value is None and name != "retries":
+            return
+        if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
+            raise ArgumentError(
+                f"{name}: expected a whole number from {least} up, found {value!r}", code="bad-value", parameter=name
+            )
+        object.__setattr__(self, name, int(value))
+
+    @property
+    def memory_bytes(self) -> int | None:
+        """Return ``memory`` in bytes. Raises ArgumentError where it is no size."""
+        if self.memory is None:
+            return None
+        try:
+            return parse_memory(self.memory)
+        except ValueError as error:
+            raise ArgumentError(f"memory: {error}", code="bad-value", parameter="memory") from None
 
     @property
     def settings(self) -> Settings:

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import signal
 import time
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from flowabs_nodes.engine.carry_over import CarryOver
+from flowabs_nodes import stopping
 from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.job_builder import build_job
 from flowabs_nodes.engine.ocio_choice import choose_config
 from flowabs_nodes.engine.options import RunOptions, takes_run_options
 from flowabs_nodes.engine.profile import total_times
 from flowabs_nodes.engine.render_frame import render_frame
+from flowabs_nodes.engine.render_frames import Say, render_frames
 from flowabs_nodes.engine.report import (
     FrameReport,
     Listener,
@@ -27,10 +27,10 @@ from flowabs_nodes.engine.report import (
 from flowabs_nodes.engine.result_store import ResultStore
 from flowabs_nodes.engine.runnable import GraphSource, load_graph
 from flowabs_nodes.engine.shared_sequence import SharedSequence
-from flowabs_nodes.engine.signals import Stopped
 from flowabs_nodes.engine.sources import passed_over, same_picture
-from flowabs_nodes.errors import WriteError
 from flowabs_nodes.io.settings import Settings
+from flowabs_nodes.signals import interruptible
+from flowabs_nodes.stopping import Stopped
 
 
 @takes_run_options
@@ -62,8 +62,8 @@ def run(
     -------
     Report
         What became of every frame, and the exit code. A frame that fails does not stop the others, except on a full
-        disk. An interrupt ends the run with exit code 130 (143 for SIGTERM inside
-        :func:`~flowabs_nodes.engine.signals.stop_on_signals`), without temporary files left behind.
+        disk. Ctrl-C ends the run with exit code 130, without temporary files left behind; a second one raises
+        KeyboardInterrupt at once.
 
     Raises
     ------
@@ -71,7 +71,8 @@ def run(
         The graph, an option or the OCIO config is wrong; nothing has been written.
     """
     asked = RunOptions(**(vars(settings or Settings()) | options))
-    return render_sequence(graph, asked, profile=profile, on_event=on_event)
+    with interruptible():
+        return render_sequence(graph, asked, profile=profile, on_event=on_event)
 
 
 def render_sequence(
@@ -82,7 +83,7 @@ def render_sequence(
     on_event: Listener | None = None,
     store: ResultStore | None = None,
 ) -> Report:
-    """Render the frames that ``options`` ask for, one after the other.
+    """Render the frames that ``options`` ask for.
 
     ``store`` holds the results that later frames will ask for again, in graphs some of whose nodes read other frames
     than their own; without one they are held in 4 GiB. Its bound is on what is held from frame to frame, beside the
@@ -103,55 +104,49 @@ def render_sequence(
     about += about_colors + passed_over(job.graph) + same_picture(job.graph, len(numbers))
     for note in about:
         tell(note_event(note))
-    reports: list[FrameReport] = []
+
+    def say(note: Note) -> None:
+        tell(note_event(note))
+
+    reports: dict[int, FrameReport] = {}
     told: dict[tuple[object, ...], None] = {}
-    carried = CarryOver(job.graph, numbers, ResultStore() if store is None else store)
     shared = SharedSequence(job, numbers)
     stopped = 0
     try:
         shared.sweep()
-        for report in _render_frames(job, numbers, carried, shared, tell):
-            reports.append(report)
+        for report in _reports(job, numbers, options, ResultStore() if store is None else store, shared, say):
+            reports[report.frame] = report
             for note in _untold(report.notes, told):
                 tell(note_event(note, report.frame))
             tell(frame_event(report))
+        stopping.check()
     except KeyboardInterrupt as interrupt:
-        stopped = interrupt.exit_code if isinstance(interrupt, Stopped) else 128 + signal.SIGINT
+        stopped = (interrupt if isinstance(interrupt, Stopped) else Stopped()).exit_code
     finally:
         shared.sweep()
-    failed = any(report.status == "failed" for report in reports)
+    failed = any(report.status == "failed" for report in reports.values())
     types = {name: node.declaration.type for name, node in job.graph.nodes.items()}
     result = Report(
-        frames=tuple(reports),
+        frames=tuple(reports[number] for number in numbers if number in reports),
         exit_code=stopped or int(failed),
         seconds=time.perf_counter() - start,
         notes=about,
-        profile=total_times((each.timings for each in reports), types) if profile else None,
+        profile=total_times((each.timings for each in reports.values()), types) if profile else None,
     )
     tell(end_event(result))
     return result
 
 
-def _render_frames(
-    job: Job, numbers: Iterable[int], carried: CarryOver, shared: SharedSequence, tell: Listener
+def _reports(
+    job: Job, numbers: tuple[int, ...], options: RunOptions, store: ResultStore, shared: SharedSequence, say: Say
 ) -> Iterator[FrameReport]:
-    """Yield the report of each frame as it is rendered; once the disk is full, report all further frames as failed.
-
-    Frames that other runs are writing come last.
-    """
-    full = False
-    for number in numbers:
-        if full:
-            error = WriteError("not made: the disk is full", code="disk-full", frame=number)
-            yield FrameReport(number, "failed", error=error)
-            continue
-        report = render_frame(job, number, carried, watch=shared.watch)
-        full = report.error is not None and report.error.code == "disk-full"
+    """Yield the report of each frame as it ends; frames that other runs are writing come last."""
+    for report in render_frames(job, numbers, options, store, say, shared.watch):
         if not shared.leaves(report):
             yield report
     yield from shared.settle(
-        lambda number, left: render_frame(job, number, carried, watch=shared.watch, left=left),
-        lambda note: tell(note_event(note)),
+        lambda number, left: render_frame(job, number, watch=shared.watch, left=left),
+        say,
     )
 
 

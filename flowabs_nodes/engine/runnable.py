@@ -25,6 +25,7 @@ from flowabs_nodes.graph.missing_packages import refuse_missing_packages
 from flowabs_nodes.graph.model import Graph
 from flowabs_nodes.image import Image
 from flowabs_nodes.io.settings import Settings
+from flowabs_nodes.signals import interruptible
 
 #: A path, the name of a graph that comes with the package, its content as a dict, or one that is loaded.
 GraphSource = str | Path | Mapping[str, Any] | Graph
@@ -93,6 +94,8 @@ class RunnableGraph(Graph):
             type: an array of 8 or 16 bits among them, whose light nobody can tell.
         FlowabsError
             Whatever went wrong while computing, with node and frame.
+        KeyboardInterrupt
+            Ctrl-C: a second one does not wait until the kernel at work has ended.
         """
         frame = frame_number(frame)
         graph = self if set is None else self.with_set(set)
@@ -112,7 +115,8 @@ class RunnableGraph(Graph):
             raise CommandError("no such file, and missing frames are skipped", code="missing-file", node=left_out.node)
         evaluation = Evaluation(graph, params, sources, options, notes=list(about_colors))
         try:
-            results = evaluation.run(steps, images, keep=wanted.values())
+            with interruptible():
+                results = evaluation.run(steps, images, keep=wanted.values())
         finally:
             _tell(evaluation.notes, frame, on_event)
         return {name: results[result] for name, result in wanted.items()}

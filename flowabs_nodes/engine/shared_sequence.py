@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 
+from flowabs_nodes import stopping
 from flowabs_nodes.engine.existing import State, state_of
 from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.report import FrameReport, Note
@@ -52,7 +53,7 @@ class SharedSequence:
         """Wait until no living run writes the frames that were left, and yield what became of each.
 
         A frame that another run made is skipped. One that it failed on, or did not live to finish, is rendered here.
-        ``tell`` is told what is waited for, once a minute. An interrupt ends the waiting at once.
+        ``tell`` is told what is waited for, once a minute. Raises Stopped where the run is to stop.
         """
         told = -REMIND
         while self._left:
@@ -73,6 +74,7 @@ class SharedSequence:
                 told = time.monotonic()
                 tell(_waiting_for(writers))
             if self._left:
+                stopping.check()
                 time.sleep(POLL)
 
     def _writer_of(self, paths: Mapping[str, State]) -> Writer | None:

@@ -18,10 +18,13 @@ from flowabs_nodes.io.claim_watch import ClaimWatch
 from flowabs_nodes.io.file_lock import NOWHERE, reach
 from flowabs_nodes.io.heartbeat import HEARTBEAT
 from flowabs_nodes.io.write_failure import check_replaceable, failure
+from flowabs_nodes.signals import before_the_end
 
 _BLOCK = 1 << 24
 #: How often a claim is tried for again, where those of the dead are in its way.
 _ATTEMPTS = 5
+#: The claims that this process holds.
+_held: list[Claim] = []
 
 
 class ClaimedError(WriteError):
@@ -81,6 +84,12 @@ class Claim:
         os.replace(self.temporary, self.final)
         _sync_folder(self.final.parent)
 
+    def remove_files(self) -> None:
+        """Remove what it has on disk, and nothing else: no lock is asked for."""
+        for file in (self._temporary, self._guard):
+            with suppress(OSError):
+                os.unlink(file.path)
+
     def release(self) -> None:
         """Remove the temporary where it has not been published, and let others claim the frame."""
         for file in (self._temporary, self._guard):
@@ -108,10 +117,21 @@ def claim(path: str | os.PathLike[str], watch: ClaimWatch | None = None) -> Iter
         taken = _take(final, watch or ClaimWatch())
     except OSError as error:
         raise failure(error, final) from error
+    _held.append(taken)
     try:
         yield taken
     finally:
+        _held.remove(taken)
         taken.release()
+
+
+def _remove_files() -> None:
+    """Remove the files of all claims of this process, which is about to end without notice."""
+    for each in _held:
+        each.remove_files()
+
+
+before_the_end.append(_remove_files)
 
 
 def _take(final: Path, watch: ClaimWatch) -> Claim:

@@ -17,6 +17,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from flowabs_nodes import stopping
 from flowabs_nodes.simd.read_only import for_kernel
 
 _BANDS = 8  # bands for each thread, so that a thread that is done early takes another
@@ -100,7 +101,11 @@ def over_rows(kernel: Callable[..., Any], height: int, *arguments: Any, least: i
     -------
     The kernel's results in the order of the bands. The number of bands depends on the number of threads, so the caller
     may only combine the results in ways that do not depend on it, such as a maximum.
+
+    Raises :class:`~flowabs_nodes.stopping.Stopped` where the work is asked to stop; no band is at work then.
     """
+    stopping.check()
+    flags = stopping.flags()
     threads = thread_count()
     bands = 1 if threads == 1 else max(1, min(_BANDS * threads, height // least))
     edges = [height * band // bands for band in range(bands + 1)]
@@ -111,6 +116,8 @@ def over_rows(kernel: Callable[..., Any], height: int, *arguments: Any, least: i
     def work() -> None:
         """Run the kernel on one waiting band after the other."""
         for band in waiting:
+            if stopping.any_set(flags):
+                return
             results[band] = kernel(edges[band], edges[band + 1], *arguments)
 
     helpers = [_pool(os.getpid(), threads - 1).submit(work) for _ in range(min(threads, bands) - 1)]
@@ -123,6 +130,7 @@ def over_rows(kernel: Callable[..., Any], height: int, *arguments: Any, least: i
         wait(begun)
     for helper in begun:
         helper.result()
+    stopping.check()
     return results
 
 

@@ -14,6 +14,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from flowabs_nodes import stopping
+
 PATIENCE = 120.0  # seconds; the longest kernel takes two
 _STEP = 0.01  # seconds between two looks at a lock
 
@@ -30,7 +32,8 @@ def take(file: Path) -> None:
         return
     end = time.monotonic() + PATIENCE
     try:
-        while not _lock(fd) and time.monotonic() < end:
+        flags = stopping.flags()
+        while not _lock(fd) and time.monotonic() < end and not stopping.any_set(flags):
             time.sleep(_STEP)
     except OSError:  # a file system without locks
         os.close(fd)

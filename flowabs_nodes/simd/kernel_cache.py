@@ -22,6 +22,7 @@ from typing import Any
 
 from numba import config, njit
 
+from flowabs_nodes import stopping
 from flowabs_nodes.simd import cache_folder, compile_hooks, compile_turn, numba_internals
 from flowabs_nodes.simd.kernel_version import PACKAGE, source_times
 
@@ -47,7 +48,7 @@ def kept(function: Callable[..., Any], **options: Any) -> Any:
 
 
 class KernelCache(ABC):
-    """What numba asks for the compiled code of one function, and gives it to. Never raises."""
+    """What numba asks for the compiled code of one function, and gives it to. Nothing here fails."""
 
     def __init__(self, function: Callable[..., Any], suffix: str = "") -> None:
         self._suffix = suffix  # of the folder
@@ -60,18 +61,22 @@ class KernelCache(ABC):
         return next((str(place.folder) for place in cache_folder.places()), "")
 
     def load_overload(self, sig: Any, context: Any) -> Any:
-        """Return the compiled kernel of a signature; None if it has to be compiled, by us: others wait for it."""
+        """Return the compiled kernel of a signature; None if it has to be compiled, by us: others wait for it.
+
+        Raises :class:`~flowabs_nodes.stopping.Stopped` where it would have to be compiled and the work is to end.
+        """
         found = self._load(sig, context)
         if found is not None:
             return found
         if (turn := self._turn(sig)) is not None:
             compile_turn.take(turn)
             found = self._load(sig, context)  # somebody else may have compiled it meanwhile
-            if found is not None:
+            if found is not None or stopping.any_set(stopping.flags()):
                 compile_turn.give(turn)
-                return found
-        compile_hooks.tell()
-        return None
+        if found is None:
+            stopping.check()  # compiling takes seconds
+            compile_hooks.tell()
+        return found
 
     def save_overload(self, sig: Any, compiled: Any) -> None:
         """Keep a kernel that was compiled just now."""

@@ -103,12 +103,14 @@ def test_a_wrong_command_exits_2(flowabs, fake_run, arguments):
 
 STOPPED = """
 import os, signal, sys, time
-from flowabs_nodes import cli
+from flowabs_nodes import cli, stopping
 from flowabs_nodes.engine import render_sequence
 
 def stopped(*_, **__):
     os.kill(os.getpid(), int(sys.argv[1]))
-    time.sleep(30)
+    while True:
+        stopping.check()
+        time.sleep(0.01)
 
 render_sequence.render_sequence = stopped
 sys.exit(cli.main(["run", "lines"]))
@@ -151,13 +153,13 @@ def test_as_a_module():
 
 
 def test_what_asks_to_be_called_at_the_end_is_called():
-    code = "import atexit; from flowabs_nodes.cli import script; atexit.register(print, 'the end'); script()"
+    code = "import atexit; from flowabs_nodes.__main__ import script; atexit.register(print, 'the end'); script()"
     result = subprocess.run([sys.executable, "-c", code, "--version"], cwd=ROOT, capture_output=True, text=True)
     assert (result.returncode, result.stdout.splitlines()[1:]) == (0, ["the end"])
 
 
 def test_threads_of_others_come_to_their_end():
-    code = "import threading, time; from flowabs_nodes.cli import script; "
+    code = "import threading, time; from flowabs_nodes.__main__ import script; "
     code += "threading.Thread(target=lambda: (time.sleep(0.5), print('the end'))).start(); script()"
     result = subprocess.run([sys.executable, "-c", code, "--version"], cwd=ROOT, capture_output=True, text=True)
     assert (result.returncode, result.stdout.splitlines()[1:]) == (0, ["the end"])

@@ -11,10 +11,10 @@ import OpenImageIO as oiio
 import pytest
 
 from flowabs_nodes.engine import render_frame as frame_module
-from flowabs_nodes.engine.signals import stop_on_signals
 from flowabs_nodes.errors import CommandError, WriteError
 from flowabs_nodes.io.settings import Settings
 from flowabs_nodes.nodes.declare import Param
+from flowabs_nodes.signals import stop_on_signals
 from tests.engine.sequences import (
     document,
     graph_around,

@@ -126,7 +126,7 @@ def test_a_frame_of_another_run_is_left_for_last_and_counts_as_there(shot, out, 
     other = OtherRun(out.replace("####", "0002"), publish)
     waiting.append(other.finish)
     report, notes, events = shared(shot, out, existing=existing)
-    assert statuses(report) == [(1, "done"), (3, "done"), (2, "skipped")]
+    assert statuses(report) == [(1, "done"), (2, "skipped"), (3, "done")]
     assert report.exit_code == 0
     assert f"waiting for what other runs are writing: frame 2 by {HOST} (process {os.getpid()})" in notes
     assert "made by another run" in notes
@@ -140,7 +140,7 @@ def test_a_frame_that_the_other_run_failed_on_is_tried_here(shot, out, tmp_path,
     other = OtherRun(out.replace("####", "0002"), lambda held: None)
     waiting.append(other.finish)
     report, _, _ = shared(shot, out)
-    assert statuses(report) == [(1, "done"), (3, "done"), (2, "done")]
+    assert statuses(report) == [(1, "done"), (2, "done"), (3, "done")]
     assert report.exit_code == 0
 
 
@@ -154,7 +154,7 @@ def test_overwrite_makes_what_another_run_made_of_something_else(shot, out, tmp_
     other = OtherRun(out.replace("####", "0002"), publish)
     waiting.append(other.finish)
     report, _, _ = shared(shot, out, existing="overwrite")
-    assert statuses(report) == [(1, "done"), (3, "done"), (2, "done")]
+    assert statuses(report) == [(1, "done"), (2, "done"), (3, "done")]
     assert Path(out.replace("####", "0002")).read_bytes() != data
 
 
@@ -173,7 +173,7 @@ def test_a_claim_from_afar_is_taken_over_when_it_falls_silent(shot, out, tmp_pat
 
     waiting.append(touch)
     report, notes, _ = shared(shot, out)
-    assert statuses(report) == [(1, "done"), (3, "done"), (2, "done")]
+    assert statuses(report) == [(1, "done"), (2, "done"), (3, "done")]
     assert time.monotonic() - touches[-1] > 0.4
     assert any("frame 2 by elsewhere (process 1)" in text for text in notes)
     assert not leftovers(tmp_path / "out")
@@ -255,7 +255,7 @@ def test_a_signal_ends_the_waiting_at_once(tmp_path, number):
     with claim(out.replace("####", "0001")):
         graph = tmp_path / "graph.json"
         graph.write_text(json.dumps(document()))
-        command = [sys.executable, "-c", "from flowabs_nodes.cli import script; script()"]
+        command = [sys.executable, "-c", "from flowabs_nodes.__main__ import script; script()"]
         command += ["run", str(graph), "-i", shot, "-o", out]
         process = subprocess.Popen(command, stdout=-1, stderr=subprocess.STDOUT, text=True)
         for line in process.stdout:

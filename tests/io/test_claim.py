@@ -17,6 +17,7 @@ from flowabs_nodes.io.claim import ClaimedError, claim
 from flowabs_nodes.io.claim_files import HOST, ClaimFile, claim_path, stem, temporary_path
 from flowabs_nodes.io.claim_watch import SILENCE, ClaimWatch
 from flowabs_nodes.io.heartbeat import HEARTBEAT
+from flowabs_nodes.signals import before_the_end
 from tests.io.claims import HOLD, Clock, holder, left, left_by
 
 pytest.importorskip("fcntl")
@@ -352,3 +353,11 @@ def test_no_folder_is_listed_for_a_frame(tmp_path: Path, monkeypatch: pytest.Mon
         held.write(b"frame")
         held.publish()
     assert temporary_path(tmp_path / "a", claim_files.new_writer("2" * 8)).name.startswith(f".a.{HOST}.22222222")
+
+
+def test_before_a_process_ends_without_notice_the_files_of_its_claims_are_removed(tmp_path: Path) -> None:
+    with claim(tmp_path / "a.exr") as first, claim(tmp_path / "b.exr"):
+        first.write(b"half a frame")
+        for act in before_the_end:
+            act()
+        assert os.listdir(tmp_path) == []

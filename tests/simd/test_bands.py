@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from flowabs_nodes import stopping
 from flowabs_nodes.simd import bands
 
 PACKAGE = Path(bands.__file__).parents[2]
@@ -67,6 +68,25 @@ def test_after_an_error_no_other_band_begins():
     assert len(begun) <= 4
 
 
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_who_is_asked_to_stop_ends_after_the_bands_at_work(count):
+    flag, begun, running = stopping.StopFlag(), [], set()
+
+    def kernel(first, last):
+        begun.append(first)
+        running.add(first)
+        flag.set()
+        running.remove(first)
+
+    with bands.limited(count), stopping.stopped_by(flag), pytest.raises(stopping.Stopped):
+        bands.over_rows(kernel, 240, least=1)
+    assert 1 <= len(begun) <= count
+    assert not running
+    with stopping.stopped_by(flag), pytest.raises(stopping.Stopped):
+        bands.over_rows(lambda first, last: begun.clear(), 240)
+    assert begun
+
+
 def test_the_limit_is_that_of_the_block_and_of_the_thread():
     with bands.limited(5):
         assert bands.thread_count() == 5
@@ -111,6 +131,7 @@ def test_nobody_waits_for_helpers_that_are_busy_elsewhere():
 def test_a_child_of_a_fork_has_threads_of_its_own():
     code = """
 import os, sys
+from flowabs_nodes import stopping
 from flowabs_nodes.simd import bands
 def total():
     with bands.limited(3):

@@ -48,7 +48,7 @@ def test_a_numba_that_does_not_fit_is_named_with_those_that_do(change, tmp_path)
     run = ["run", "lines", "-i", str(plate), "-o", str(tmp_path / "lines.png")]
     use = {**os.environ, "PYTHONPATH": str(ROOT), "NUMBA_CACHE_DIR": str(tmp_path), "NUMBA_NUM_THREADS": "1"}
     done = subprocess.run(
-        [sys.executable, "-c", CHANGED + "from flowabs_nodes.cli import script; script()", change, *run],
+        [sys.executable, "-c", CHANGED + "from flowabs_nodes.__main__ import script; script()", change, *run],
         env=use,
         capture_output=True,
         text=True,

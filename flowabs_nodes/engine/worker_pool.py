@@ -1,0 +1,259 @@
+"""Renders the frames of a run in parallel processes, as many as a memory budget and the processors allow.
+
+The first frame is rendered alone; the most memory that it took says how many may be rendered at once. A process that is
+lost costs only its frames, which are rendered again.
+"""
+
+from __future__ import annotations
+
+import queue
+import signal
+import subprocess
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any, BinaryIO, cast
+
+from flowabs_nodes import signals, stopping
+from flowabs_nodes.engine import child_python
+from flowabs_nodes.engine.job import Job
+from flowabs_nodes.engine.memory import resident
+from flowabs_nodes.engine.messages import receive, send
+from flowabs_nodes.engine.report import FrameReport, Note
+from flowabs_nodes.engine.worker import Begun, Ended, Request
+from flowabs_nodes.errors import InternalError
+
+_LOOK = 0.1  # seconds between two looks at whether the run is to stop
+_PATIENCE = 5.0  # seconds that a process has to give up its frame when the run stops
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How much a pool may take.
+
+    Attributes
+    ----------
+    jobs
+        The most processes.
+    threads
+        Kernel threads, shared out among the processes.
+    memory
+        Bytes that this process and all others may have together.
+    timeout
+        Seconds that one frame may take; None: any time.
+    retries
+        How often a frame is rendered again whose process was lost.
+    """
+
+    jobs: int
+    threads: int
+    memory: int
+    timeout: float | None = None
+    retries: int = 1
+
+
+class _Worker:
+    """One process, and what it is doing."""
+
+    def __init__(self, job: Job, inbox: queue.SimpleQueue[tuple[_Worker, Any]]) -> None:
+        pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+        self.process = child_python.start("flowabs_nodes.engine.worker", **pipes)
+        self.left: list[int] = []  # the frames that it has been asked for, the one at work first
+        self.frame: int | None = None  # the one at work
+        self.since = 0.0  # when that one began
+        self.late = False
+        threading.Thread(target=self._listen, args=(inbox,), name="flowabs-worker", daemon=True).start()
+        self.ask(job)
+
+    def ask(self, message: Any) -> None:
+        """Send a message; if the process has ended its listener tells that."""
+        with suppress(OSError):
+            send(cast(BinaryIO, self.process.stdin), message)
+
+    def _listen(self, inbox: queue.SimpleQueue[tuple[_Worker, Any]]) -> None:
+        """Hand on each reply, and None at the end."""
+        try:
+            with suppress(EOFError, OSError):
+                while True:
+                    inbox.put((self, receive(cast(BinaryIO, self.process.stdout))))
+        finally:  # whatever was not to be understood: the frame is rendered again, or has failed
+            self.process.kill()
+            inbox.put((self, None))
+
+    def close(self) -> None:
+        """Ask the process to end."""
+        with suppress(OSError):
+            cast(BinaryIO, self.process.stdin).close()
+
+
+class WorkerPool:
+    """Renders frames of a job in other processes; :meth:`render` yields their reports as the frames end.
+
+    ``peak`` is the most memory that a process takes for a frame, as far as it is known. ``note`` is told what happens
+    to processes.
+    """
+
+    def __init__(
+        self, job: Job, limits: Limits, *, peak: int = 0, chunk: int = 1, note: Callable[[Note], None] = lambda _: None
+    ) -> None:
+        self._job = job
+        self._limits = limits
+        self._jobs = limits.jobs
+        self._peak = peak
+        self._chunk = chunk
+        self._note = note
+        self._inbox: queue.SimpleQueue[tuple[_Worker, Any]] = queue.SimpleQueue()
+        self._workers: list[_Worker] = []
+        self._leaving: list[_Worker] = []  # asked to end
+        self._waiting: deque[tuple[int, ...]] = deque()
+        self._tries: dict[int, int] = {}
+        self._told_alone = False
+
+    def render(self, numbers: Iterable[int]) -> Iterator[FrameReport]:
+        """Yield the report of each frame. Raises Stopped when the run is to stop; no process is left then."""
+        frames = tuple(numbers)
+        self._waiting.extend(frames[at : at + self._chunk] for at in range(0, len(frames), self._chunk))
+        signals.before_the_end.append(self._kill)
+        try:
+            while self._waiting or self._busy():
+                stopping.check()
+                self._assign()
+                yield from self._handle_messages()
+        finally:
+            self._end()
+            signals.before_the_end.remove(self._kill)
+
+    def drop_waiting(self) -> tuple[int, ...]:
+        """Forget the frames that no process has begun, and return them."""
+        frames = tuple(frame for chunk in self._waiting for frame in chunk)
+        self._waiting.clear()
+        return frames
+
+    def _busy(self) -> list[_Worker]:
+        return [worker for worker in self._workers if worker.left]
+
+    def _at_once(self) -> int:
+        """Return how many frames may be rendered at once."""
+        if not self._peak:
+            return 1
+        fit = (self._limits.memory - resident()) // self._peak
+        if fit < 1 and not self._told_alone:
+            self._told_alone = True
+            need, given = f"{self._peak / 1e9:.2f} GB", f"{self._limits.memory / 1e9:.2f} GB"
+            text = f"a frame takes {need}, more than the memory of this run ({given}) leaves: one at a time"
+            self._note(Note(text, warning=True))
+        return max(1, min(self._jobs, fit))
+
+    def _assign(self) -> None:
+        """Start processes, give each that is idle some frames, and end those that are too many."""
+        at_once = self._at_once()
+        useful = min(self._jobs if not self._peak else at_once, len(self._waiting) + len(self._busy()))
+        while len(self._workers) < useful:
+            self._workers.append(_Worker(self._job, self._inbox))
+        idle = [worker for worker in self._workers if not worker.left]
+        for worker in idle[: max(0, len(self._workers) - useful)]:
+            self._workers.remove(worker)
+            self._leaving.append(worker)
+            worker.close()
+            idle.remove(worker)
+        for worker in idle:
+            busy = len(self._busy())
+            if busy >= at_once or not self._waiting:
+                break
+            frames = self._waiting.popleft()
+            sharing = min(at_once, busy + 1 + len(self._waiting))
+            worker.left = list(frames)
+            worker.since = time.monotonic()
+            worker.ask(Request(frames, max(1, self._limits.threads // sharing)))
+
+    def _handle_messages(self) -> Iterator[FrameReport]:
+        """Wait for a message, but not for long, and yield the report of a frame that has ended."""
+        try:
+            worker, message = self._inbox.get(timeout=_LOOK)
+        except queue.Empty:
+            self._kill_late_ones()
+            return
+        match message:
+            case Begun(frame):
+                worker.frame, worker.since = frame, time.monotonic()
+            case Ended(report, peak):
+                worker.frame = None
+                worker.left.remove(report.frame)
+                if report.status == "done":  # to look at a frame that is there takes less
+                    self._peak = max(self._peak, peak, 1)
+                yield report
+            case None if worker in self._workers:
+                self._workers.remove(worker)
+                yield from self._lost(worker)
+        self._kill_late_ones()
+
+    def _kill_late_ones(self) -> None:
+        """End the processes whose frame takes longer than it may."""
+        if self._limits.timeout is None:
+            return
+        for worker in self._busy():
+            if worker.frame is not None and time.monotonic() - worker.since > self._limits.timeout:
+                worker.late = True
+                worker.process.kill()
+
+    def _lost(self, worker: _Worker) -> Iterator[FrameReport]:
+        """Have the frames of a process that has ended rendered again, or yield the report of the one that failed."""
+        code = worker.process.wait()
+        if not worker.left:
+            return
+        frame, seconds = worker.left[0], time.monotonic() - worker.since
+        killed = code == -signal.SIGKILL and not worker.late
+        alone = not self._busy()
+        if killed and not alone:  # by the system, when it has no memory left
+            self._jobs = max(1, len(self._busy()))
+            text = f"its process was killed, probably for want of memory: {self._jobs} at a time from now on"
+            self._note(Note(text, warning=True, frame=frame))
+        elif self._tries.get(frame, 0) < self._limits.retries:
+            self._tries[frame] = self._tries.get(frame, 0) + 1
+            self._note(Note(f"{_what_happened(worker, code, self._limits)}: rendered again", warning=True, frame=frame))
+        else:
+            worker.left.remove(frame)
+            error = InternalError(
+                _what_happened(worker, code, self._limits),
+                code="timeout" if worker.late else "worker-lost",
+                hint="--timeout says how long a frame may take" if worker.late else "",
+                frame=frame,
+            )
+            yield FrameReport(frame, "failed", seconds=seconds, error=error)
+        if worker.left:
+            self._waiting.appendleft(tuple(worker.left))
+
+    def _end(self) -> None:
+        """End all processes: each gives up its frame, or is killed."""
+        for worker in self._workers:
+            worker.close()
+            if worker.frame is None:  # nothing to give up
+                worker.process.kill()
+        self._leaving += self._workers
+        end = time.monotonic() + (_PATIENCE if self._busy() else 0.0)
+        for worker in self._leaving:
+            try:
+                worker.process.wait(max(0.0, end - time.monotonic()))
+            except subprocess.TimeoutExpired:
+                worker.process.kill()
+                worker.process.wait()
+        self._workers.clear()
+        self._leaving.clear()
+
+    def _kill(self) -> None:
+        """Kill all processes, at once."""
+        for worker in [*self._workers, *self._leaving]:
+            worker.process.kill()
+
+
+def _what_happened(worker: _Worker, code: int, limits: Limits) -> str:
+    """Return why a process has ended, for people."""
+    if worker.late:
+        return f"took longer than {limits.timeout:g} s"
+    if code < 0:
+        with suppress(ValueError):
+            return f"its process ended by {signal.Signals(-code).name}"
+    return f"its process ended with exit code {code}"

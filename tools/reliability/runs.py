@@ -1,0 +1,70 @@
+"""Runs that are meant to be hurt: a folder with a sequence, the command over it, and what the folder holds then."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import OpenImageIO as oiio
+
+CHECKOUT = Path(__file__).parents[2]
+PICTURE = CHECKOUT / "docs/pictures/coffee.exr"
+
+
+@dataclass(frozen=True)
+class Shot:
+    """A folder with a sequence of one picture."""
+
+    folder: Path
+    frames: int
+
+    @property
+    def made(self) -> Path:
+        """Return the folder that frames are written to."""
+        return self.folder / "out"
+
+    def begin(self, *options: str, **environment: str) -> subprocess.Popen[str]:
+        """Begin a run over all frames."""
+        command = [sys.executable, "-m", "flowabs_nodes", "run", "lines", *options]
+        command += ["-i", str(self.folder / "plate.####.exr"), "-o", str(self.made / "lines.####.exr")]
+        pipes: dict[str, Any] = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE, "text": True}
+        return subprocess.Popen(command, env={**os.environ, "PYTHONPATH": str(CHECKOUT), **environment}, **pipes)
+
+    def files(self) -> tuple[set[str], set[str]]:
+        """Return the names of the frames that are there, and those of all other files."""
+        names = set(os.listdir(self.made)) if self.made.exists() else set()
+        frames = {name for name in names if name.startswith("lines.") and name.endswith(".exr")}
+        return frames, names - frames
+
+    def damaged(self) -> list[str]:
+        """Return the names of frames that do not decode."""
+        frames, _ = self.files()
+        return [name for name in sorted(frames) if not _decodes(self.made / name)]
+
+
+@contextmanager
+def shot(frames: int) -> Iterator[Shot]:
+    """Give a folder with so many frames; it is removed at the end."""
+    with tempfile.TemporaryDirectory() as name:
+        for frame in range(1, frames + 1):
+            shutil.copyfile(PICTURE, Path(name) / f"plate.{frame:04}.exr")
+        yield Shot(Path(name), frames)
+
+
+def _decodes(path: Path) -> bool:
+    """Return whether every pixel of a file can be read."""
+    opened = oiio.ImageInput.open(str(path))
+    if opened is None:
+        return False
+    try:
+        return opened.read_image() is not None
+    finally:
+        opened.close()
