@@ -15,10 +15,12 @@ from flowabs_nodes.engine.evaluate import Evaluation
 from flowabs_nodes.engine.frame_windows import FrameWindows
 from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.keys import unit_keys
+from flowabs_nodes.engine.node_events import NodeEvents
 from flowabs_nodes.engine.plan import Unit, make_plan
 from flowabs_nodes.engine.report import FrameReport, Note, Status
 from flowabs_nodes.engine.result_store import ResultStore
 from flowabs_nodes.engine.sources import Sources, source_contents
+from flowabs_nodes.engine.stopwatch import Stopwatch
 from flowabs_nodes.engine.unit_params import UnitParams
 from flowabs_nodes.errors import FlowabsError, WriteError
 from flowabs_nodes.io.frame_lock import Claim, claim
@@ -28,11 +30,13 @@ from flowabs_nodes.io.settings import checked
 from flowabs_nodes.io.write import is_whole, save, stored_key
 
 
-def render_frame(job: Job, frame: int, carried: CarryOver | None = None) -> FrameReport:
+def render_frame(
+    job: Job, frame: int, carried: CarryOver | None = None, *, nodes: NodeEvents | None = None
+) -> FrameReport:
     """Render one frame of a job. Whatever goes wrong with it is in the report; only interrupts are raised.
 
     ``carried`` holds results of the run's earlier frames, and gets those that its later frames will ask for; without it
-    nothing is held.
+    nothing is held. ``nodes`` is told which node is at work.
     """
     start = time.perf_counter()
     if carried is None:
@@ -40,17 +44,20 @@ def render_frame(job: Job, frame: int, carried: CarryOver | None = None) -> Fram
     carried.begin(frame)
     files = {node: tuple(Sequence(each).path(frame) for each in patterns) for node, patterns in job.outputs.items()}
     notes: list[Note] = []
-    timings: dict[str, float] = {}
+    stopwatch = Stopwatch(nodes)
+    if nodes is not None:
+        nodes.begin_frame(frame)
     error = None
     status: Status = "failed"
     try:
         with error_boundary(frame=frame):
-            status = _render(job, frame, files, notes, timings, carried)
+            status = _render(job, frame, files, notes, stopwatch, carried, nodes)
     except FlowabsError as failure:
         error = failure
         _free_images(error)
     every = tuple(path for paths in files.values() for path in paths)
-    return FrameReport(frame, status, every, time.perf_counter() - start, error, tuple(notes), timings)
+    seconds = time.perf_counter() - start
+    return FrameReport(frame, status, every, seconds, error, tuple(notes), tuple(stopwatch.timings))
 
 
 def _render(
@@ -58,8 +65,9 @@ def _render(
     frame: int,
     files: dict[str, tuple[str, ...]],
     notes: list[Note],
-    timings: dict[str, float],
+    stopwatch: Stopwatch,
     carried: CarryOver,
+    nodes: NodeEvents | None,
 ) -> Status:
     """Write each write node's ``files`` that are not there yet, and empty ``files`` if the frame is left out."""
     graph, options, settings = job.graph, job.options, job.options.settings
@@ -73,9 +81,10 @@ def _render(
             notes.append(Note("its file is missing: the frame is left out", unit.node))
             files.clear()
             return "skipped"
+    notes.extend(found.notes(sources))
 
-    evaluation = Evaluation(graph, params, sources, options, notes=notes, timings=timings)
-    with evaluation.timed("(keys)"):
+    evaluation = Evaluation(graph, params, sources, options, notes=notes, stopwatch=stopwatch)
+    with stopwatch.of("(keys)", frame):
         ocio = _ocio_identity(settings.ocio)
         contents = source_contents(sources)
         keys = unit_keys(graph, steps, params, contents=contents, given={}, scale=options.scale, ocio=ocio)
@@ -85,12 +94,16 @@ def _render(
         }
     stale = {node: paths for node, paths in stale.items() if paths}
     if not stale:
+        notes.append(Note("nothing to do: its files are there, whole, and made from the same", detail=True))
         carried.choose((), keys)
         return "skipped"
 
     held_over = carried.held(steps, keys)
+    notes.extend(Note("taken from an earlier frame", each.node, frame=each.frame, detail=True) for each in held_over)
     steps = make_plan(graph, frame, sinks=stale, given=held_over, inputs_of=inputs_of)
     carried.choose(steps, keys)
+    if nodes is not None:
+        nodes.plan(steps)
     needed = {result for step in steps for result in step.needs}
     document = json.dumps(graph.document)
     claims: dict[str, Claim] = {}

@@ -9,22 +9,16 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from flowabs_nodes.engine.carry_over import CarryOver
+from flowabs_nodes.engine.gaps import holes
 from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.job_builder import build_job
+from flowabs_nodes.engine.node_events import NodeEvents
 from flowabs_nodes.engine.options import RunOptions, takes_run_options
 from flowabs_nodes.engine.profile import total_times
 from flowabs_nodes.engine.render_frame import render_frame
-from flowabs_nodes.engine.report import (
-    FrameReport,
-    Listener,
-    Note,
-    Report,
-    end_event,
-    frame_event,
-    note_event,
-    start_event,
-)
+from flowabs_nodes.engine.report import FrameReport, Listener, Note, Report
 from flowabs_nodes.engine.result_store import ResultStore
+from flowabs_nodes.engine.run_events import RunEvents
 from flowabs_nodes.engine.runnable import GraphSource, load_graph
 from flowabs_nodes.engine.signals import Stopped
 from flowabs_nodes.engine.sources import passed_over, same_picture
@@ -93,44 +87,46 @@ def render_sequence(
     if options.set:
         loaded = loaded.with_set(options.set)
     job, numbers = build_job(loaded, options)
-    tell: Listener = on_event or (lambda event: None)
-    tell(start_event(loaded.name, len(numbers)))
+    types = {name: node.declaration.type for name, node in job.graph.nodes.items()}
+    tell = RunEvents(on_event, types, profile=profile)
+    tell.start(loaded.name, len(numbers))
     about: tuple[Note, ...] = (
         *(Note(text) for text in loaded.notes),
         *(Note(str(each), warning=True) for each in loaded.warnings),
     )
     about += passed_over(job.graph) + same_picture(job.graph, len(numbers))
+    about += holes(numbers) if options.frames is None else ()
     for note in about:
-        tell(note_event(note))
+        tell.note(note)
     reports: list[FrameReport] = []
-    told: dict[tuple[object, ...], None] = {}
     carried = CarryOver(job.graph, numbers, ResultStore() if store is None else store)
     stopped = 0
     try:
         _remove_temporary_files(job)
-        for report in _render_frames(job, numbers, carried):
+        for report in _render_frames(job, numbers, carried, tell.nodes):
             reports.append(report)
-            for note in _untold(report.notes, told):
-                tell(note_event(note, report.frame))
-            tell(frame_event(report))
+            tell.frame(report)
     except KeyboardInterrupt as interrupt:
         stopped = interrupt.exit_code if isinstance(interrupt, Stopped) else 128 + signal.SIGINT
     finally:
         _remove_temporary_files(job)
     failed = any(report.status == "failed" for report in reports)
-    types = {name: node.declaration.type for name, node in job.graph.nodes.items()}
+    ended = {report.frame for report in reports}
     result = Report(
         frames=tuple(reports),
         exit_code=stopped or int(failed),
         seconds=time.perf_counter() - start,
         notes=about,
-        profile=total_times((each.timings for each in reports), types) if profile else None,
+        profile=total_times((timing for each in reports for timing in each.timings), types) if profile else None,
+        not_begun=tuple(number for number in numbers if number not in ended),
     )
-    tell(end_event(result))
+    tell.end(result)
     return result
 
 
-def _render_frames(job: Job, numbers: Iterable[int], carried: CarryOver) -> Iterator[FrameReport]:
+def _render_frames(
+    job: Job, numbers: Iterable[int], carried: CarryOver, nodes: NodeEvents | None
+) -> Iterator[FrameReport]:
     """Yield the report of each frame as it is rendered; once the disk is full, report all further frames as failed."""
     full = False
     for number in numbers:
@@ -138,21 +134,9 @@ def _render_frames(job: Job, numbers: Iterable[int], carried: CarryOver) -> Iter
             error = WriteError("not made: the disk is full", code="disk-full", frame=number)
             yield FrameReport(number, "failed", error=error)
             continue
-        report = render_frame(job, number, carried)
+        report = render_frame(job, number, carried, nodes=nodes)
         full = report.error is not None and report.error.code == "disk-full"
         yield report
-
-
-def _untold(notes: Iterable[Note], told: dict[tuple[object, ...], None]) -> Iterator[Note]:
-    """Yield the notes that are still to be told, and remember them in ``told``.
-
-    What a node says about one frame is told once, though the node may run on that frame again for another one.
-    """
-    for note in notes:
-        name = (note.node, note.once) if note.once else (note.node, note.frame, note.text)
-        if name not in told or not (note.once or note.frame is not None):
-            told[name] = None
-            yield note
 
 
 def _remove_temporary_files(job: Job) -> None:

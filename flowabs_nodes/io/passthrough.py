@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import fnmatch
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,12 +11,14 @@ import numpy.typing as npt
 import OpenImageIO as oiio
 
 from flowabs_nodes.errors import WriteError, nearest
-from flowabs_nodes.image import Origin
+from flowabs_nodes.image import Image, Origin
+from flowabs_nodes.io import formats
 from flowabs_nodes.io.exr_header import header_of_part
 from flowabs_nodes.io.image_file import PictureFile, open_picture
 from flowabs_nodes.io.layers import layer_of, part_name
 from flowabs_nodes.io.orientation import upright
 from flowabs_nodes.io.output_image import Picture, moved, windows
+from flowabs_nodes.io.settings import Settings
 from flowabs_nodes.io.views import read_view, renamed, views_of
 
 Planes = dict[str, npt.NDArray[Any]]
@@ -61,6 +63,32 @@ def passthrough_layers(picture: Picture, warn: Callable[[str], None]) -> Passthr
             header["compression"] = file.specs[part].get_string_attribute("compression")
             parts.append((header, file.read_native(part, channels)))
     return Passthrough(mine, tuple(parts))
+
+
+def layers_left_out(image: Image, layers: Mapping[str, Image], settings: Settings) -> tuple[str, ...]:
+    """Return the names of the layers that the image's EXR file has and a frame without ``keep_layers`` will not have.
+
+    A channel outside of any layer ("Z") counts as one. What the image and the further ``layers`` were read from does
+    not, nor does a layer that one of them replaces. Raises ReadError where the file cannot be read any more.
+    """
+    origin = image.origin
+    format = formats.by_extension(origin.file) if origin is not None else None
+    if origin is None or format is None or not format.layers:
+        return ()
+    with open_picture(origin.file, settings) as file:
+        parts = {
+            part: (spec.channelnames, "" if part == origin.part else part_name(spec))
+            for part, spec in enumerate(file.specs)
+        }
+    read = [each.origin for each in (image, *layers.values()) if each.origin is not None]
+    used = {(each.file, each.part, channel) for each in read for channel in each.channels}
+    names = {
+        layer_of(channel) or whole or channel: None
+        for part, (channels, whole) in parts.items()
+        for channel in channels
+        if (origin.file, part, channel) not in used and channel != origin.alpha
+    }
+    return tuple(name for name in names if name not in layers)
 
 
 def alpha_left_out(picture: Picture, warn: Callable[[str], None]) -> Planes:
