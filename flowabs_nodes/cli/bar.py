@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from flowabs_nodes.engine.report import Report
 
-_LAYOUT = "{desc}{percentage:3.0f}%|{bar}| {postfix}"
+_LAYOUT = "{desc}{percentage:3.0f}%|{bar}| {unit}"  # the unit stands for all words beside the bar
 _REFRESH = 0.25  # seconds
 
 
@@ -59,7 +59,7 @@ class Bar(Lines):
         stream = sys.stderr.raw if isinstance(sys.stderr, SafeStream) else sys.stderr
         name = f"{one_line(event['graph'])} " if event["graph"] else ""
         self._bar = tqdm(
-            total=max(1, event["frames"]), desc=name, bar_format=_LAYOUT, dynamic_ncols=True, file=stream, leave=True
+            total=max(1, event["frames"]), desc=name, unit="", bar_format=_LAYOUT, dynamic_ncols=True, file=stream
         )
         self._bar.desc = name  # without the colon that tqdm adds
         self._pace = Pace(time.monotonic())
@@ -83,10 +83,10 @@ class Bar(Lines):
             self._progress.pop(event["frame"], None)
             self._at_work.pop(event["frame"], None)
             self._ended += 1
-            if event["status"] == "skipped":
-                self._pace.skipped(event["seconds"])
-            else:
+            if event["status"] == "done":
                 self._pace.made(time.monotonic())
+            else:
+                self._pace.not_made(event["seconds"])
         if event["status"] == "failed" or self.loudness == Loudness.VERBOSE:
             super().frame(event)
         self._draw()
@@ -114,7 +114,7 @@ class Bar(Lines):
         with self._lock:
             if self._bar is not None:
                 self._bar.n = min(float(self._bar.total or 1), self._ended + sum(self._progress.values()))
-                self._bar.postfix = self._words(time.monotonic())
+                self._bar.unit = self._words(time.monotonic())
                 self._bar.refresh(nolock=True)
 
     def _words(self, now: float) -> str:

@@ -8,20 +8,25 @@ _FRAMES = 20  # the last so many that were made count
 
 
 class Pace:
-    """Measures frames a second. Frames that need no work, because they are there already, are no measure.
+    """Measures frames a second. Frames that are there already, or fail, are no measure.
 
-    Times are in seconds, of any clock; ``start`` is when the first frame was begun.
+    Nor is the first one, for which kernels are loaded or compiled, as soon as there is another. Times are in seconds,
+    of any clock; ``start`` is when the first frame was begun.
     """
 
     def __init__(self, start: float) -> None:
         self._ends = deque([start], maxlen=_FRAMES + 1)
+        self._made = 0
 
     def made(self, now: float) -> None:
         """Take note that a frame has been made."""
         self._ends.append(now)
+        self._made += 1
+        if self._made == 2:
+            self._ends.popleft()
 
-    def skipped(self, seconds: float) -> None:
-        """Take note that a frame needed no work: the ``seconds`` that it took do not count."""
+    def not_made(self, seconds: float) -> None:
+        """Take note that a frame has ended that is no measure: the ``seconds`` that it took do not count."""
         self._ends = deque((end + seconds for end in self._ends), maxlen=_FRAMES + 1)
 
     @property

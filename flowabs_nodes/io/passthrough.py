@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fnmatch
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -66,29 +67,28 @@ def passthrough_layers(picture: Picture, warn: Callable[[str], None]) -> Passthr
 
 
 def layers_left_out(image: Image, layers: Mapping[str, Image], settings: Settings) -> tuple[str, ...]:
-    """Return the names of the layers that the image's EXR file has and a frame without ``keep_layers`` will not have.
+    """Return the names of the plate's layers that ``keep_layers`` "*" would keep, but that are in none of the images.
 
-    A channel outside of any layer ("Z") counts as one. What the image and the further ``layers`` were read from does
-    not, nor does a layer that one of them replaces. Raises ReadError where the file cannot be read any more.
+    ``image`` and ``layers`` are what is written. An image that was read from the plate counts as the channels that it
+    was read from. Raises ReadError where the file cannot be read any more.
     """
     origin = image.origin
     format = formats.by_extension(origin.file) if origin is not None else None
     if origin is None or format is None or not format.layers:
         return ()
-    with open_picture(origin.file, settings) as file:
-        parts = {
-            part: (spec.channelnames, "" if part == origin.part else part_name(spec))
-            for part, spec in enumerate(file.specs)
-        }
-    read = [each.origin for each in (image, *layers.values()) if each.origin is not None]
-    used = {(each.file, each.part, channel) for each in read for channel in each.channels}
-    names = {
-        layer_of(channel) or whole or channel: None
-        for part, (channels, whole) in parts.items()
-        for channel in channels
-        if (origin.file, part, channel) not in used and channel != origin.alpha
-    }
-    return tuple(name for name in names if name not in layers)
+    with open_picture(origin.file, settings) as file, suppress(WriteError):  # deep data cannot be kept at all
+        chosen = _chosen(file, origin, ["*"], set(layers))
+        origins = [each.origin for each in layers.values() if each.origin is not None]
+        written = {(each.file, each.part, channel) for each in origins for channel in each.channels}
+        return tuple(
+            dict.fromkeys(
+                layer_of(channel) or part_name(file.specs[part])
+                for part, channels in chosen.items()
+                for channel in channels
+                if (origin.file, part, channel) not in written
+            )
+        )
+    return ()
 
 
 def alpha_left_out(picture: Picture, warn: Callable[[str], None]) -> Planes:
