@@ -72,8 +72,8 @@ class Bar(Lines):
             at_work = self._at_work.setdefault(event["frame"], [])
             self._progress[event["frame"]] = event["progress"]
             if event["status"] == "started":
-                type = f" ({event['type']})" if event["type"] else ""
-                at_work.append((f"{event['node']}{type}", time.monotonic()))
+                type = f" ({one_line(event['type'])})" if event["type"] else ""
+                at_work.append((one_line(event["node"]), type, time.monotonic()))
             elif at_work:
                 at_work.pop()
 
@@ -118,20 +118,23 @@ class Bar(Lines):
                 self._bar.refresh(nolock=True)
 
     def _words(self, now: float) -> str:
-        """Return what stands beside the bar: "3/24 frames, 0.52 frames/s, 0:40 left, frame 4: flow (etf) 1.2 s"."""
-        assert self._bar is not None
+        """Return what stands beside the bar: "3/24 frames, 0.52 frames/s, 0:40 left, frame 4: flow (etf) 1.2 s".
+
+        On a narrow terminal what matters least is left out.
+        """
+        bar = self._bar
+        assert bar is not None
         rate, left = self._pace.frames_per_second, self._pace.left(self._left, now)
-        words = [
-            f"{self._ended}/{self._bar.total} frames",
-            "? frames/s" if rate is None else f"{rate:.2f} frames/s" if rate < 100 else f"{rate:.0f} frames/s",
-        ]
-        if self._left:
-            words.append(f"{'?' if left is None else clock(left)} left")
-        for frame, works in list(self._at_work.items())[:1]:
-            if works:
-                name, since = works[-1]
-                words.append(f"frame {frame}: {one_line(name)} {now - since:.1f} s")
-        return ", ".join(words)
+        count = f"{self._ended}/{bar.total} frames"
+        speed = "? frames/s" if rate is None else f"{rate:.2f} frames/s" if rate < 100 else f"{rate:.0f} frames/s"
+        rest = [f"{'?' if left is None else clock(left)} left"] if self._left else []
+        works = [(frame, works[-1]) for frame, works in self._at_work.items() if works][:1]
+        long = [f"frame {frame}: {name}{type} {now - since:.1f} s" for frame, (name, type, since) in works]
+        short = [f"frame {frame}: {name} {now - since:.1f} s" for frame, (name, type, since) in works]
+        room = (bar.ncols or 200) - len(bar.desc) - len("100%|          | ")
+        choices = ([count, speed, *rest, *long], [count, speed, *rest, *short], [count, *rest, *short], [count, *short])
+        texts = [", ".join(words) for words in choices]
+        return next((text for text in texts if len(text) <= room), texts[-1])
 
     @property
     def _left(self) -> int:

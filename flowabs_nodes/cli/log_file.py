@@ -67,7 +67,8 @@ class LogFile(Lines):
     def __exit__(self, *exception: type[BaseException] | BaseException | TracebackType | None) -> None:
         error = exception[1]
         if isinstance(error, Exception):
-            self.line(f"flowabs: {error}")
+            for text in f"flowabs: {error}".splitlines():
+                self.line(text)
         elif error is not None:
             self.line("stopped")
         if self._log is not None:

@@ -69,6 +69,18 @@ def test_it_shows_the_node_at_work_and_for_how_long_without_any_event(bar, termi
     assert until(lambda: terminal.last() != before), "nothing happens, and yet it counts the seconds"
 
 
+def test_a_narrow_terminal_has_the_node_and_its_seconds(bar, terminal):
+    for width, shown in (
+        (200, " left, frame 1: flow (etf) "),
+        (70, " left, frame 1: flow "),
+        (45, "frames, frame 1: flow "),
+    ):
+        bar._bar.dynamic_ncols = lambda stream, width=width: (width, 20)
+        bar.event(NODE | {"progress": 0.0})
+        assert until(lambda: len(terminal.last()) <= width and shown in terminal.last()), width  # noqa: B023
+        assert terminal.last().endswith(" s")
+
+
 def test_it_moves_within_a_frame(bar, terminal):
     bar.event(NODE | {"progress": 0.0})
     bar.event(NODE | {"status": "done", "seconds": 1.0, "progress": 0.5})
