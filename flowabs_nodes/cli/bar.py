@@ -36,9 +36,8 @@ class Bar(Lines):
         self._thread = threading.Thread(target=self._refresh, name="flowabs-bar", daemon=True)
         self._ended = 0
         self._progress: dict[int, float] = {}  # of the frames that are being made
-        self._at_work: dict[
-            int, list[tuple[str, float]]
-        ] = {}  # by frame: what is at work, the innermost last, since when
+        #: By frame: name, type, and since when it is at work, the innermost work last.
+        self._at_work: dict[int, list[tuple[str, str, float]]] = {}
         self._pace = Pace(time.monotonic())
 
     def __exit__(self, *exception: type[BaseException] | BaseException | TracebackType | None) -> None:
@@ -128,9 +127,9 @@ class Bar(Lines):
         count = f"{self._ended}/{bar.total} frames"
         speed = "? frames/s" if rate is None else f"{rate:.2f} frames/s" if rate < 100 else f"{rate:.0f} frames/s"
         rest = [f"{'?' if left is None else clock(left)} left"] if self._left else []
-        works = [(frame, works[-1]) for frame, works in self._at_work.items() if works][:1]
-        long = [f"frame {frame}: {name}{type} {now - since:.1f} s" for frame, (name, type, since) in works]
-        short = [f"frame {frame}: {name} {now - since:.1f} s" for frame, (name, type, since) in works]
+        first = [(frame, works[-1]) for frame, works in self._at_work.items() if works][:1]
+        long = [f"frame {frame}: {name}{type} {now - since:.1f} s" for frame, (name, type, since) in first]
+        short = [f"frame {frame}: {name} {now - since:.1f} s" for frame, (name, type, since) in first]
         room = (bar.ncols or 200) - len(bar.desc) - len("100%|          | ")
         choices = ([count, speed, *rest, *long], [count, speed, *rest, *short], [count, *rest, *short], [count, *short])
         texts = [", ".join(words) for words in choices]

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio
 
-from flowabs_nodes.errors import WriteError, nearest
+from flowabs_nodes.errors import FlowabsError, WriteError, nearest
 from flowabs_nodes.image import Image, Origin
 from flowabs_nodes.io import formats
 from flowabs_nodes.io.exr_header import header_of_part
@@ -70,13 +70,16 @@ def layers_left_out(image: Image, layers: Mapping[str, Image], settings: Setting
     """Return the names of the plate's layers that ``keep_layers`` "*" would keep, but that are in none of the images.
 
     ``image`` and ``layers`` are what is written. An image that was read from the plate counts as the channels that it
-    was read from. Raises ReadError where the file cannot be read any more.
+    was read from. There are none where the file is not there any more, of deep data, and where the picture has another
+    size than the plate: these cannot be kept.
     """
     origin = image.origin
     format = formats.by_extension(origin.file) if origin is not None else None
     if origin is None or format is None or not format.layers:
         return ()
-    with open_picture(origin.file, settings) as file, suppress(WriteError):  # deep data cannot be kept at all
+    with suppress(FlowabsError), open_picture(origin.file, settings) as file:
+        if windows(file.specs[origin.part])[1] != image.display_window:
+            return ()
         chosen = _chosen(file, origin, ["*"], set(layers))
         origins = [each.origin for each in layers.values() if each.origin is not None]
         written = {(each.file, each.part, channel) for each in origins for channel in each.channels}

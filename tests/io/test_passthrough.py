@@ -9,6 +9,7 @@ import numpy as np
 import OpenEXR
 import pytest
 
+from flowabs_nodes.engine.resize import scale_image
 from flowabs_nodes.errors import ReadError, WriteError
 from flowabs_nodes.image import Image, Window
 from flowabs_nodes.io.passthrough import layers_left_out
@@ -250,3 +251,6 @@ def test_layers_that_are_left_out_are_those_that_could_be_kept(plate: Path) -> N
     depth = read_data(plate, layer="Z")
     assert "Z" not in layers_left_out(image, {"depth": depth}, Settings()), "it is there under another name"
     assert layers_left_out(Image.from_array(np.zeros((2, 2, 3), np.float32)), {}, Settings()) == ()
+    assert layers_left_out(scale_image(image, 0.5), {}, Settings()) == (), "of another size they cannot be kept"
+    plate.unlink()
+    assert layers_left_out(image, {}, Settings()) == ()
