@@ -93,7 +93,7 @@ class Lines:
         """Show the summary of a run that has ended: counts, profile, and what has to be made again."""
         counts = ", ".join(f"{count} {status}" for status, count in report.counts.items() if count)
         stopped = {130: "stopped: ", 143: "stopped: "}.get(report.exit_code, "")
-        left = f", {len(report.not_begun)} not begun" if report.not_begun else ""
+        left = f", {len(report.not_made)} not made" if report.not_made else ""
         if self.loudness > Loudness.QUIET or stopped:
             self.line(f"{stopped}{counts or 'nothing done'}{left} in {report.seconds:.2f} s", error=bool(stopped))
         if report.profile:

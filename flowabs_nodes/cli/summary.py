@@ -21,14 +21,14 @@ def failed_lines(report: Report, again: Callable[[str], str]) -> list[str]:
     for frame in report.frames:
         if frame.error is not None:
             reasons.setdefault(_reason(frame.error), []).append(frame.frame)
-    to_make = [frame for frames in reasons.values() for frame in frames] + list(report.not_begun)
+    to_make = [frame for frames in reasons.values() for frame in frames] + list(report.not_made)
     if not to_make:
         return []
     lines = [f"  {_frames(frame_range(frames), len(frames))}: {reason}" for reason, frames in reasons.items()]
     if reasons:
         count = sum(map(len, reasons.values()))
         lines.insert(0, f"{count} frame{'' if count == 1 else 's'} failed:")
-    what = "To make just these again:" if reasons and not report.not_begun else "To make what is not there:"
+    what = "To make just these again:" if reasons and not report.not_made else "To make what is not there:"
     return [*lines, what, f"  {again(frame_range(to_make))}"]
 
 

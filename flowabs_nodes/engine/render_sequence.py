@@ -118,7 +118,7 @@ def render_sequence(
         seconds=time.perf_counter() - start,
         notes=about,
         profile=total_times((timing for each in reports for timing in each.timings), types) if profile else None,
-        not_begun=tuple(number for number in numbers if number not in ended),
+        not_made=tuple(number for number in numbers if number not in ended),
     )
     tell.end(result)
     return result

@@ -58,7 +58,7 @@ class FrameReport:
 class Report:
     """A whole run. ``exit_code`` is what a process should exit with: 0, 1 for a failed frame, 130 or 143 if stopped.
 
-    ``not_begun`` are the frames that a stopped run did not come to.
+    ``not_made`` are the frames that a stopped run has not made, failed ones aside.
     """
 
     frames: tuple[FrameReport, ...]
@@ -66,7 +66,7 @@ class Report:
     seconds: float = 0.0
     notes: tuple[Note, ...] = ()
     profile: tuple[NodeTime, ...] | None = None
-    not_begun: tuple[int, ...] = ()
+    not_made: tuple[int, ...] = ()
 
     @property
     def counts(self) -> dict[str, int]:

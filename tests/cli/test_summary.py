@@ -37,9 +37,9 @@ def test_frames_that_failed_alike_share_a_line():
 
 
 def test_a_run_that_was_stopped_says_what_makes_the_rest():
-    report = Report((FrameReport(1, "done"), gone(2)), 130, not_begun=(3, 4))
+    report = Report((FrameReport(1, "done"), gone(2)), 130, not_made=(3, 4))
     assert failed_lines(report, again)[-2:] == ["To make what is not there:", "  again 2-4"]
-    assert failed_lines(Report((), 130, not_begun=(3, 4)), again) == ["To make what is not there:", "  again 3-4"]
+    assert failed_lines(Report((), 130, not_made=(3, 4)), again) == ["To make what is not there:", "  again 3-4"]
 
 
 def test_a_profile_is_a_table_with_straight_columns():
