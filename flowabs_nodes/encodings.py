@@ -8,8 +8,8 @@ which code values later nodes will ask for, and which image is asked for the las
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -46,6 +46,8 @@ class Encodings:
 
     def __init__(self) -> None:
         self._made: WeakKeyDictionary[Image, _Made] = WeakKeyDictionary()
+        #: What an image's pixels are decoded inside of: the engine takes the time.
+        self.decoding: Callable[[Image], AbstractContextManager[None]] = lambda image: nullcontext()
 
     # ------------------------------------------------------------------ what the engine says
 
@@ -69,7 +71,8 @@ class Encodings:
             return image.pixels
         made = self._of(image)
         if made.pixels is None:
-            decoded, shape = image.deferred.decode(image.colorspace), image.deferred.shape
+            with self.decoding(image):
+                decoded, shape = image.deferred.decode(image.colorspace), image.deferred.shape
             if decoded.dtype != np.float32 or decoded.shape != shape:
                 message = f"pixels were decoded as {decoded.dtype} {decoded.shape}, expected float32 {shape}"
                 raise FlowabsError(message, code="wrong-type")

@@ -12,6 +12,7 @@ import os
 import sys
 import threading
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import NoReturn
 
 import click
@@ -24,6 +25,7 @@ from flowabs_nodes.cli.colorspaces import colorspaces
 from flowabs_nodes.cli.graph_listing import graphs
 from flowabs_nodes.cli.listings import nodes, schema
 from flowabs_nodes.cli.run import run
+from flowabs_nodes.cli.streams import safe_streams
 from flowabs_nodes.engine.error_boundary import InternalError
 from flowabs_nodes.errors import FlowabsError, ReadError, WriteError
 from flowabs_nodes.signals import stop_on_signals
@@ -61,12 +63,19 @@ for command in (run, check, nodes, schema, graphs, colorspaces):
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command, and return the exit code of the process.
 
-    Errors are told on stderr, without a traceback. ``arguments`` default to those of the process.
+    Errors are told on stderr, without a traceback. ``arguments`` default to those of the process. A command whose
+    output cannot be printed has failed, unless it makes frames: these are made, and the exit code tells of them alone.
     """
-    for stream in (sys.stdout, sys.stderr):
-        if hasattr(stream, "reconfigure"):
-            # A file's name may be no text, and an old terminal has few letters.
-            stream.reconfigure(errors="backslashreplace")
+    words = sys.argv[1:] if arguments is None else list(arguments)
+    makes_frames = words[:1] == ["run"]
+    with safe_streams(readers_may_leave=not makes_frames) as out:
+        code = _exit_code(words)
+    lost = bool(out.trouble) and not out.reader_left and not makes_frames
+    return code or int(lost)
+
+
+def _exit_code(arguments: Sequence[str]) -> int:
+    """Run a command, tell what goes wrong, and return the exit code that tells of it."""
     shells.register()
     try:
         with stop_on_signals():
@@ -82,10 +91,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         error.show()
         return 2
     except FlowabsError as error:
-        click.echo(f"flowabs: {error}", err=True)
+        print(f"flowabs: {error}", file=sys.stderr)
         return 1 if isinstance(error, ReadError | WriteError | InternalError) else 2
     except OSError as error:
-        click.echo(f"flowabs: {error}", err=True)
+        print(f"flowabs: {error}", file=sys.stderr)
         return 1
 
 
@@ -98,9 +107,7 @@ def run_process() -> NoReturn:
         sys.exit(code)  # waits for the threads of a foreign node
     # Python's own exit takes all modules apart, object by object: that lasts longer than a picture of 512 x 512.
     atexit._run_exitfuncs()
-    for stream in (sys.stdout, sys.stderr):
-        try:
+    for stream in filter(None, (sys.stdout, sys.stderr)):
+        with suppress(OSError):  # main has said that nothing can be printed
             stream.flush()
-        except OSError:  # the reader has gone
-            code = code or 1
     os._exit(code)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Collection, Mapping
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -19,16 +19,16 @@ from flowabs_nodes.engine.lengths import length_factor, scale_lengths
 from flowabs_nodes.engine.plan import Result, Step, Unit, results_in
 from flowabs_nodes.engine.report import Note
 from flowabs_nodes.engine.resize import scale_image
+from flowabs_nodes.engine.stopwatch import Stopwatch
 from flowabs_nodes.engine.unit_params import Params
 from flowabs_nodes.engine.window_inputs import NodeInputs, own_frame
+from flowabs_nodes.finishing.deferred import Deferred
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node
 from flowabs_nodes.port_types import pixel_type
 from flowabs_nodes.simd.known_finite import remember_finite
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from flowabs_nodes.engine.options import RunOptions
     from flowabs_nodes.graph.model import Graph
     from flowabs_nodes.io.sequences import Source
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 class Evaluation:
     """The computation of one frame, for which nodes may run on other frames too.
 
-    ``notes`` and ``timings`` (seconds by node) fill up, also when a node fails.
+    ``notes`` and the timings of the ``stopwatch`` fill up, also when a node fails.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class Evaluation:
     on_sink: Callable[[str, Any], None] = lambda node, what: None
     on_result: Callable[[Result, Image], None] = lambda result, image: None
     notes: list[Note] = field(default_factory=list)
-    timings: dict[str, float] = field(default_factory=dict)
+    stopwatch: Stopwatch = field(default_factory=Stopwatch)
 
     def run(
         self, steps: Collection[Step], given: Mapping[Result, Image], keep: Collection[Result] = ()
@@ -84,8 +84,11 @@ class Evaluation:
             The work was asked to stop.
         """
         held, expected = dict(given), self._expected(steps)
+        maker: WeakKeyDictionary[Image, Result] = WeakKeyDictionary()
         with remember_finite(), remember_encodings() as encodings:
+            encodings.decoding = partial(self._decoding, maker)
             for result, image in held.items():
+                maker[image] = result
                 encodings.expect(image, expected.get(result, frozenset()))
             for step in steps:
                 stopping.check()
@@ -97,11 +100,12 @@ class Evaluation:
                 }
                 for result in step.needs:
                     encodings.keep(held[result], result not in step.drops)
-                with self.timed(step.unit.node):
+                with self.stopwatch.of(*step.unit):
                     outputs = self._run_step(step, images)
                 for output, image in outputs.items():
                     result = Result(step.unit.node, output, step.unit.frame)
                     held[result] = image
+                    maker.setdefault(image, result)  # a node may hand on its input
                     encodings.expect(image, expected.get(result, frozenset()))
                     self.on_result(result, image)
                 for result in step.drops:
@@ -111,8 +115,17 @@ class Evaluation:
 
     def _decoded(self, result: Result, image: Image) -> Image:
         """Return a result as it leaves the engine, with pixels in place of code values."""
-        with self.timed(result.node), error_boundary(result.node, result.frame):
+        with error_boundary(result.node, result.frame):
             return image.decoded()
+
+    def _decoding(self, maker: Mapping[Image, Result], image: Image) -> AbstractContextManager[None]:
+        """Take the time of decoding an image inside, under the name of the node that left it undecoded.
+
+        Whoever asks for its pixels may be another node; and what was noted down on the way is done with the decoding.
+        """
+        result = maker.get(image)
+        work = "finishing" if isinstance(image.deferred, Deferred) else "decoding"
+        return self.stopwatch.of(f"({work} {result.node})" if result else f"({work})", result.frame if result else 0)
 
     def _expected(self, steps: Collection[Step]) -> dict[Result, frozenset[str]]:
         """Return, for each picture, the spaces in which later steps smooth it."""
@@ -164,15 +177,6 @@ class Evaluation:
     def _note(self, unit: Unit, warning: bool, text: str) -> None:
         """Add what a node has to say about its frame to the notes."""
         self.notes.append(Note(text, unit.node, warning, frame=unit.frame))
-
-    @contextmanager
-    def timed(self, name: str) -> Iterator[None]:
-        """Add the time that is spent inside to the timing of ``name``."""
-        start = time.perf_counter()
-        try:
-            yield
-        finally:
-            self.timings[name] = self.timings.get(name, 0.0) + time.perf_counter() - start
 
 
 def _black(image: Image) -> Image:

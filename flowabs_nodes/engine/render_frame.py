@@ -7,6 +7,7 @@ import time
 import traceback
 from collections.abc import Mapping
 from contextlib import ExitStack
+from dataclasses import dataclass
 from typing import Any
 
 from flowabs_nodes.color.config import opened
@@ -17,10 +18,12 @@ from flowabs_nodes.engine.existing import Origin, State, is_stale, made_since, s
 from flowabs_nodes.engine.frame_windows import FrameWindows
 from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.keys import unit_keys
+from flowabs_nodes.engine.node_events import NodeEvents
 from flowabs_nodes.engine.plan import Unit, make_plan
 from flowabs_nodes.engine.report import FrameReport, Note, Status
 from flowabs_nodes.engine.result_store import ResultStore
 from flowabs_nodes.engine.sources import Sources, source_contents
+from flowabs_nodes.engine.stopwatch import Stopwatch
 from flowabs_nodes.engine.unit_params import UnitParams
 from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.io.claim import claim
@@ -30,6 +33,16 @@ from flowabs_nodes.io.settings import checked
 from flowabs_nodes.io.write import save
 
 
+@dataclass(frozen=True)
+class _Around:
+    """What the rendering of a frame is told of the rest of its run."""
+
+    carried: CarryOver
+    watch: ClaimWatch | None
+    left: Mapping[str, State]
+    nodes: NodeEvents | None
+
+
 def render_frame(
     job: Job,
     frame: int,
@@ -37,13 +50,15 @@ def render_frame(
     *,
     watch: ClaimWatch | None = None,
     left: Mapping[str, State] | None = None,
+    nodes: NodeEvents | None = None,
 ) -> FrameReport:
     """Render one frame of a job. Whatever goes wrong with it is in the report; only interrupts are raised.
 
     ``carried`` holds results of the run's earlier frames, and gets those that its later frames will ask for; without it
     nothing is held. ``watch`` knows what the run has seen of other runs' claims. A frame that another run is writing
     fails with the code "claimed". ``left`` says how its files were when the frame was left to another run: what has
-    been written since, with the key that this run would give it, counts as made.
+    been written since, with the key that this run would give it, counts as made. ``nodes`` is told which node is at
+    work.
     """
     start = time.perf_counter()
     if carried is None:
@@ -51,17 +66,21 @@ def render_frame(
     carried.begin(frame)
     files = {node: tuple(Sequence(each).path(frame) for each in patterns) for node, patterns in job.outputs.items()}
     notes: list[Note] = []
-    timings: dict[str, float] = {}
+    stopwatch = Stopwatch(nodes)
+    if nodes is not None:
+        nodes.begin_frame(frame)
     error = None
     status: Status = "failed"
     try:
         with error_boundary(frame=frame):
-            status = _render(job, frame, files, notes, timings, carried, watch, left or {})
+            around = _Around(carried, watch, left or {}, nodes)
+            status = _render(job, frame, files, notes, stopwatch, around)
     except FlowabsError as failure:
         error = failure
         _free_images(error)
     every = tuple(path for paths in files.values() for path in paths)
-    return FrameReport(frame, status, every, time.perf_counter() - start, error, tuple(notes), timings)
+    seconds = time.perf_counter() - start
+    return FrameReport(frame, status, every, seconds, error, tuple(notes), tuple(stopwatch.timings))
 
 
 def _render(
@@ -69,10 +88,8 @@ def _render(
     frame: int,
     files: dict[str, tuple[str, ...]],
     notes: list[Note],
-    timings: dict[str, float],
-    carried: CarryOver,
-    watch: ClaimWatch | None,
-    left: Mapping[str, State],
+    stopwatch: Stopwatch,
+    around: _Around,
 ) -> Status:
     """Write each write node's ``files`` that are not there yet, and empty ``files`` if the frame is left out."""
     graph, options, settings = job.graph, job.options, job.options.settings
@@ -86,9 +103,10 @@ def _render(
             notes.append(Note("its file is missing: the frame is left out", unit.node))
             files.clear()
             return "skipped"
+    notes.extend(found.notes(sources))
 
-    evaluation = Evaluation(graph, params, sources, options, notes=notes, timings=timings)
-    with evaluation.timed("(keys)"):
+    evaluation = Evaluation(graph, params, sources, options, notes=notes, stopwatch=stopwatch)
+    with stopwatch.of("(keys)", frame):
         ocio = opened(settings.ocio).content
         contents = source_contents(sources)
         keys = unit_keys(graph, steps, params, contents=contents, given={}, scale=options.scale, ocio=ocio)
@@ -98,20 +116,24 @@ def _render(
         stale = [
             path
             for path, key in of_file.items()
-            if not made_since(path, key, left) and is_stale(path, key, origin, options.existing, notes)
+            if not made_since(path, key, around.left) and is_stale(path, key, origin, options.existing, notes)
         ]
     with ExitStack() as held:  # from before the filtering: another run that comes to this frame must not do it as well
-        claims = {path: held.enter_context(claim(checked(path, settings), watch)) for path in stale}
+        claims = {path: held.enter_context(claim(checked(path, settings), around.watch)) for path in stale}
         stale = [path for path in stale if not made_since(path, of_file[path], before)]  # while this run was looking
         if not stale:
-            carried.choose((), keys)
+            notes.append(Note("nothing to do: its files are there, whole, and made from the same", detail=True))
+            around.carried.choose((), keys)
             return "skipped"
         wanted = {node: [path for path in paths if path in stale] for node, paths in files.items()}
-        held_over = carried.held(steps, keys)
+        held_over = around.carried.held(steps, keys)
+        notes.extend(Note("taken from an earlier frame", it.node, frame=it.frame, detail=True) for it in held_over)
         steps = make_plan(
             graph, frame, sinks=[node for node in wanted if wanted[node]], given=held_over, inputs_of=inputs_of
         )
-        carried.choose(steps, keys)
+        around.carried.choose(steps, keys)
+        if around.nodes is not None:
+            around.nodes.plan(steps)
         document = json.dumps(graph.document)
 
         def write(node: str, prepared: Any) -> None:
@@ -131,7 +153,7 @@ def _render(
                 )
 
         evaluation.on_sink = write
-        evaluation.on_result = carried.put
+        evaluation.on_result = around.carried.put
         needed = {result for step in steps for result in step.needs}
         evaluation.run(steps, {result: image for result, image in held_over.items() if result in needed})
     return "done"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
 
 from flowabs_nodes import stopping
@@ -13,15 +13,13 @@ from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.memory import SHARE, available_memory, give_back_freed_memory, peak_since_reset, reset_peak
 from flowabs_nodes.engine.options import RunOptions
 from flowabs_nodes.engine.render_frame import render_frame
-from flowabs_nodes.engine.report import FrameReport, Note
+from flowabs_nodes.engine.report import FrameReport
 from flowabs_nodes.engine.result_store import ResultStore
+from flowabs_nodes.engine.run_events import RunEvents
 from flowabs_nodes.engine.worker_pool import Limits, WorkerPool
 from flowabs_nodes.errors import WriteError
 from flowabs_nodes.io.claim_watch import ClaimWatch
 from flowabs_nodes.simd import bands
-
-#: Is told what happens to the run.
-Say = Callable[[Note], None]
 
 #: Seconds of work ahead from which other processes pay, each of which takes most of a second to begin.
 WORTH = 4.0
@@ -31,7 +29,7 @@ NEIGHBOURS = 24
 
 
 def render_frames(
-    job: Job, numbers: Sequence[int], options: RunOptions, store: ResultStore, say: Say, watch: ClaimWatch
+    job: Job, numbers: Sequence[int], options: RunOptions, store: ResultStore, tell: RunEvents, watch: ClaimWatch
 ) -> Iterator[FrameReport]:
     """Yield the report of each frame as it ends; once the disk is full, all further frames have failed.
 
@@ -47,7 +45,7 @@ def render_frames(
             while rest:
                 stopping.check()
                 reset_peak()
-                report = render_frame(job, rest.pop(0), carried, watch=watch)
+                report = render_frame(job, rest.pop(0), carried, watch=watch, nodes=tell.nodes)
                 peak = peak_since_reset()
                 yield report
                 if _disk_is_full(report):
@@ -59,7 +57,8 @@ def render_frames(
         del carried
         give_back_freed_memory()
     if rest:
-        yield from _in_parallel(WorkerPool(job, limits, peak=peak, chunk=_chunk(job, rest, limits), note=say), rest)
+        pool = WorkerPool(job, limits, peak=peak, chunk=_chunk(job, rest, limits), tell=tell)
+        yield from _in_parallel(pool, rest)
 
 
 def _in_parallel(pool: WorkerPool, numbers: Sequence[int]) -> Iterator[FrameReport]:

@@ -3,28 +3,21 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 from flowabs_nodes import stopping
+from flowabs_nodes.engine.gaps import holes
 from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.job_builder import build_job
 from flowabs_nodes.engine.ocio_choice import choose_config
 from flowabs_nodes.engine.options import RunOptions, takes_run_options
 from flowabs_nodes.engine.profile import total_times
 from flowabs_nodes.engine.render_frame import render_frame
-from flowabs_nodes.engine.render_frames import Say, render_frames
-from flowabs_nodes.engine.report import (
-    FrameReport,
-    Listener,
-    Note,
-    Report,
-    end_event,
-    frame_event,
-    note_event,
-    start_event,
-)
+from flowabs_nodes.engine.render_frames import render_frames
+from flowabs_nodes.engine.report import FrameReport, Listener, Note, Report
 from flowabs_nodes.engine.result_store import ResultStore
+from flowabs_nodes.engine.run_events import RunEvents
 from flowabs_nodes.engine.runnable import GraphSource, load_graph
 from flowabs_nodes.engine.shared_sequence import SharedSequence
 from flowabs_nodes.engine.sources import passed_over, same_picture
@@ -95,68 +88,51 @@ def render_sequence(
         loaded = loaded.with_set(options.set)
     options, about_colors = choose_config(options)
     job, numbers = build_job(loaded, options)
-    tell: Listener = on_event or (lambda event: None)
-    tell(start_event(loaded.name, len(numbers)))
+    types = {name: node.declaration.type for name, node in job.graph.nodes.items()}
+    tell = RunEvents(on_event, types, profile=profile)
+    tell.start(loaded.name, len(numbers))
     about: tuple[Note, ...] = (
         *(Note(text) for text in loaded.notes),
         *(Note(str(each), warning=True) for each in loaded.warnings),
     )
     about += about_colors + passed_over(job.graph) + same_picture(job.graph, len(numbers))
+    about += holes(numbers) if options.frames is None else ()
     for note in about:
-        tell(note_event(note))
-
-    def say(note: Note) -> None:
-        tell(note_event(note))
-
+        tell.note(note)
     reports: dict[int, FrameReport] = {}
-    told: dict[tuple[object, ...], None] = {}
     shared = SharedSequence(job, numbers)
     stopped = 0
     try:
         shared.sweep()
-        for report in _reports(job, numbers, options, ResultStore() if store is None else store, shared, say):
+        for report in _reports(job, numbers, options, ResultStore() if store is None else store, shared, tell):
             reports[report.frame] = report
-            for note in _untold(report.notes, told):
-                tell(note_event(note, report.frame))
-            tell(frame_event(report))
+            tell.frame(report)
         stopping.check()
     except KeyboardInterrupt as interrupt:
         stopped = (interrupt if isinstance(interrupt, Stopped) else Stopped()).exit_code
     finally:
         shared.sweep()
     failed = any(report.status == "failed" for report in reports.values())
-    types = {name: node.declaration.type for name, node in job.graph.nodes.items()}
+    timings = (timing for report in reports.values() for timing in report.timings)
     result = Report(
         frames=tuple(reports[number] for number in numbers if number in reports),
         exit_code=stopped or int(failed),
         seconds=time.perf_counter() - start,
         notes=about,
-        profile=total_times((each.timings for each in reports.values()), types) if profile else None,
+        profile=total_times(timings, types) if profile else None,
+        not_made=tuple(number for number in numbers if number not in reports),
     )
-    tell(end_event(result))
+    tell.end(result)
     return result
 
 
 def _reports(
-    job: Job, numbers: tuple[int, ...], options: RunOptions, store: ResultStore, shared: SharedSequence, say: Say
+    job: Job, numbers: tuple[int, ...], options: RunOptions, store: ResultStore, shared: SharedSequence, tell: RunEvents
 ) -> Iterator[FrameReport]:
     """Yield the report of each frame as it ends; frames that other runs are writing come last."""
-    for report in render_frames(job, numbers, options, store, say, shared.watch):
+    for report in render_frames(job, numbers, options, store, tell, shared.watch):
         if not shared.leaves(report):
             yield report
     yield from shared.settle(
-        lambda number, left: render_frame(job, number, watch=shared.watch, left=left),
-        say,
+        lambda number, left: render_frame(job, number, watch=shared.watch, left=left, nodes=tell.nodes), tell.note
     )
-
-
-def _untold(notes: Iterable[Note], told: dict[tuple[object, ...], None]) -> Iterator[Note]:
-    """Yield the notes that are still to be told, and remember them in ``told``.
-
-    What a node says about one frame is told once, though the node may run on that frame again for another one.
-    """
-    for note in notes:
-        name = (note.node, note.once) if note.once else (note.node, note.frame, note.text)
-        if name not in told or not (note.once or note.frame is not None):
-            told[name] = None
-            yield note

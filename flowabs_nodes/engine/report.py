@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from typing import Any, Literal
 
 from flowabs_nodes.engine.profile import NodeTime
+from flowabs_nodes.engine.stopwatch import Timing
 from flowabs_nodes.errors import FlowabsError
 
 Status = Literal["done", "skipped", "failed"]
 
-#: A function that is called with each event of a run, a plain dict, in order: :func:`start_event` and those below it.
+#: A function that is called with each event of a run, a plain dict, in order: :func:`start_event`, those below it, and
+#: those of :class:`~flowabs_nodes.engine.node_events.NodeEvents`. docs/running.md describes them.
 Listener = Callable[[dict[str, Any]], None]
 
 
@@ -19,8 +21,8 @@ Listener = Callable[[dict[str, Any]], None]
 class Note:
     """Something to tell the person who runs the graph.
 
-    ``once``: tell it only once per run, node and this word. ``frame``: the frame that it is about, where that may be
-    another one than the frame being rendered.
+    ``once``: tell it only once per run, node and this word, though the text may differ. ``frame``: the frame that it is
+    about, where that may be another one than the frame being rendered. ``detail``: only for who asks for more (-v).
     """
 
     text: str
@@ -28,6 +30,12 @@ class Note:
     warning: bool = False
     once: str = ""
     frame: int | None = None
+    detail: bool = False
+
+    @property
+    def level(self) -> str:
+        """Return "warning" or "note"."""
+        return "warning" if self.warning else "note"
 
     def __str__(self) -> str:
         return f"{self.node}: {self.text}" if self.node else self.text
@@ -43,7 +51,7 @@ class FrameReport:
     seconds: float = 0.0
     error: FlowabsError | None = None
     notes: tuple[Note, ...] = ()
-    timings: Mapping[str, float] = field(default_factory=dict)
+    timings: tuple[Timing, ...] = ()
 
     def __repr__(self) -> str:
         what = self.error.message.partition("\n")[0] if self.error else ", ".join(self.files)
@@ -52,13 +60,17 @@ class FrameReport:
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """A whole run. ``exit_code`` is what a process should exit with: 0, 1 for a failed frame, 130 or 143 if stopped."""
+    """A whole run. ``exit_code`` is what a process should exit with: 0, 1 for a failed frame, 130 or 143 if stopped.
+
+    ``not_made`` are the frames that a stopped run has not made, failed ones aside.
+    """
 
     frames: tuple[FrameReport, ...]
     exit_code: int
     seconds: float = 0.0
     notes: tuple[Note, ...] = ()
     profile: tuple[NodeTime, ...] | None = None
+    not_made: tuple[int, ...] = ()
 
     def __repr__(self) -> str:
         counts = ", ".join(f"{count} {status}" for status, count in self.counts.items())
@@ -85,11 +97,25 @@ def start_event(graph: str, frames: int) -> dict[str, Any]:
 def note_event(note: Note, frame: int | None = None) -> dict[str, Any]:
     """Return the event of a note on a frame, or (frame None) on the graph; ``level`` is "note" or "warning".
 
-    A note that knows its frame goes before ``frame``.
+    A note that knows its frame goes before ``frame``. What only those want to know who ask for more is "detail", an
+    event of its own.
     """
-    level = "warning" if note.warning else "note"
     frame = frame if note.frame is None else note.frame
-    return {"event": "note", "frame": frame, "node": note.node or None, "level": level, "text": note.text}
+    if note.detail:
+        return {"event": "detail", "frame": frame, "node": note.node or None, "text": note.text}
+    return {"event": "note", "frame": frame, "node": note.node or None, "level": note.level, "text": note.text}
+
+
+def shared_note_event(note: Note, frames: str, count: int) -> dict[str, Any]:
+    """Return the event of a note that ``count`` frames share, the range ``frames``; told when all have ended."""
+    return {
+        "event": "shared-note",
+        "frames": frames,
+        "count": count,
+        "node": note.node or None,
+        "level": note.level,
+        "text": note.text,
+    }
 
 
 def frame_event(report: FrameReport) -> dict[str, Any]:
@@ -109,3 +135,19 @@ def frame_event(report: FrameReport) -> dict[str, Any]:
 def end_event(report: Report) -> dict[str, Any]:
     """Return the event of a run that has ended: counts by status, seconds, exit code."""
     return {"event": "end", **report.counts, "seconds": round(report.seconds, 4), "exit_code": report.exit_code}
+
+
+def profile_event(times: Iterable[NodeTime], frame: int | None = None) -> dict[str, Any]:
+    """Return the event of the seconds by node of one frame, or (frame None) of the whole run; the slowest first."""
+    nodes = [
+        {
+            "node": each.node,
+            "type": each.type,
+            "frames": each.frames,
+            "runs": each.runs,
+            "seconds": round(each.seconds, 4),
+            "longest": round(each.longest, 4),
+        }
+        for each in times
+    ]
+    return {"event": "profile", "frame": frame, "nodes": nodes}

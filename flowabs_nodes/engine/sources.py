@@ -59,6 +59,17 @@ class Sources:
         """Return the source of every step that reads; errors are as in :meth:`of`."""
         return {step.unit: self.of(step.unit) for step in steps if file_role(self._graph, step.unit.node) == "input"}
 
+    def notes(self, sources: Mapping[Unit, Source]) -> tuple[Note, ...]:
+        """Return what each unit reads: a note where that stands in for a missing file, else a detail."""
+        said = []
+        for unit, source in sources.items():
+            text = f"reads {source.path}"
+            if stands_in := source.black or source.path not in self._sequence(unit).paths(unit.frame):
+                what = f"black, of the size of {source.path}," if source.black else source.path
+                text = f"its file is missing: {what} is read in its place"
+            said.append(Note(text, unit.node, frame=unit.frame, detail=not stands_in))
+        return tuple(said)
+
     def frames_on_disk(self, unit: Unit) -> tuple[int, ...]:
         """Return the frames that are on disk of the sequence that a unit reads, in order; none of a single picture.
 

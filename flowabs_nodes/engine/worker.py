@@ -18,6 +18,7 @@ from flowabs_nodes.engine.carry_over import CarryOver
 from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.memory import peak_since_reset, reset_peak
 from flowabs_nodes.engine.messages import receive, send
+from flowabs_nodes.engine.node_events import NodeEvents
 from flowabs_nodes.engine.render_frame import render_frame
 from flowabs_nodes.engine.report import FrameReport
 from flowabs_nodes.engine.result_store import ResultStore
@@ -29,10 +30,11 @@ from flowabs_nodes.stopping import StopFlag, Stopped, stopped_by
 
 @dataclass(frozen=True)
 class Request:
-    """Frames to render one after the other, with so many kernel threads."""
+    """Frames to render one after the other, with so many kernel threads; somebody ``listens`` to which node works."""
 
     frames: tuple[int, ...]
     threads: int
+    listens: bool = False
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,13 @@ class Begun:
     """A frame is being rendered from now on."""
 
     frame: int
+
+
+@dataclass(frozen=True)
+class AtWork:
+    """A node begins or ends its work: the event (:class:`~flowabs_nodes.engine.node_events.NodeEvents`)."""
+
+    event: dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -84,11 +93,13 @@ def _serve(requests: queue.SimpleQueue[Any], replies: BinaryIO) -> None:
     """Answer requests until there are no more."""
     job: Job = requests.get()
     watch = ClaimWatch()
+    types = {name: node.declaration.type for name, node in job.graph.nodes.items()}
+    nodes = NodeEvents(lambda event: send(replies, AtWork(event)), types)
     while (request := requests.get()) is not None:
         carried = CarryOver(job.graph, request.frames, ResultStore())
         for frame in request.frames:
             send(replies, Begun(frame))
             reset_peak()
             with bands.limited(request.threads):
-                report = render_frame(job, frame, carried, watch=watch)
+                report = render_frame(job, frame, carried, watch=watch, nodes=nodes if request.listens else None)
             send(replies, Ended(report, peak_since_reset()))

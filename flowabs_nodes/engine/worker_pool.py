@@ -12,7 +12,7 @@ import subprocess
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, BinaryIO, cast
@@ -23,7 +23,8 @@ from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.memory import resident
 from flowabs_nodes.engine.messages import receive, send
 from flowabs_nodes.engine.report import FrameReport, Note
-from flowabs_nodes.engine.worker import Begun, Ended, Request
+from flowabs_nodes.engine.run_events import RunEvents
+from flowabs_nodes.engine.worker import AtWork, Begun, Ended, Request
 from flowabs_nodes.errors import InternalError
 
 _LOOK = 0.1  # seconds between two looks at whether the run is to stop
@@ -92,19 +93,17 @@ class _Worker:
 class WorkerPool:
     """Renders frames of a job in other processes; :meth:`render` yields their reports as the frames end.
 
-    ``peak`` is the most memory that a process takes for a frame, as far as it is known. ``note`` is told what happens
-    to processes.
+    ``peak`` is the most memory that a process takes for a frame, as far as it is known. ``tell`` is told what happens
+    to processes, and which node is at work.
     """
 
-    def __init__(
-        self, job: Job, limits: Limits, *, peak: int = 0, chunk: int = 1, note: Callable[[Note], None] = lambda _: None
-    ) -> None:
+    def __init__(self, job: Job, limits: Limits, tell: RunEvents, *, peak: int = 0, chunk: int = 1) -> None:
         self._job = job
         self._limits = limits
         self._jobs = limits.jobs
         self._peak = peak
         self._chunk = chunk
-        self._note = note
+        self._tell = tell
         self._inbox: queue.SimpleQueue[tuple[_Worker, Any]] = queue.SimpleQueue()
         self._workers: list[_Worker] = []
         self._leaving: list[_Worker] = []  # asked to end
@@ -144,7 +143,7 @@ class WorkerPool:
             self._told_alone = True
             need, given = f"{self._peak / 1e9:.2f} GB", f"{self._limits.memory / 1e9:.2f} GB"
             text = f"a frame takes {need}, more than the memory of this run ({given}) leaves: one at a time"
-            self._note(Note(text, warning=True))
+            self._tell.note(Note(text, warning=True))
         return max(1, min(self._jobs, fit))
 
     def _assign(self) -> None:
@@ -167,7 +166,8 @@ class WorkerPool:
             sharing = min(at_once, busy + 1 + len(self._waiting))
             worker.left = list(frames)
             worker.since = time.monotonic()
-            worker.ask(Request(frames, max(1, self._limits.threads // sharing)))
+            threads = max(1, self._limits.threads // sharing)
+            worker.ask(Request(frames, threads, listens=self._tell.nodes is not None))
 
     def _handle_messages(self) -> Iterator[FrameReport]:
         """Wait for a message, but not for long, and yield the report of a frame that has ended."""
@@ -179,6 +179,8 @@ class WorkerPool:
         match message:
             case Begun(frame):
                 worker.frame, worker.since = frame, time.monotonic()
+            case AtWork(event):
+                self._tell.node(event)
             case Ended(report, peak):
                 worker.frame = None
                 worker.left.remove(report.frame)
@@ -210,10 +212,11 @@ class WorkerPool:
         if killed and not alone:  # by the system, when it has no memory left
             self._jobs = max(1, len(self._busy()))
             text = f"its process was killed, probably for want of memory: {self._jobs} at a time from now on"
-            self._note(Note(text, warning=True, frame=frame))
+            self._tell.note(Note(text, warning=True, frame=frame))
         elif self._tries.get(frame, 0) < self._limits.retries:
             self._tries[frame] = self._tries.get(frame, 0) + 1
-            self._note(Note(f"{_what_happened(worker, code, self._limits)}: rendered again", warning=True, frame=frame))
+            text = f"{_what_happened(worker, code, self._limits)}: rendered again"
+            self._tell.note(Note(text, warning=True, frame=frame))
         else:
             worker.left.remove(frame)
             error = InternalError(

@@ -137,6 +137,7 @@ def _fit(text: str, place: Place, problems: Problems) -> bool:
     """Return True if the text can be printed, stored and used as a path; report it if not."""
     if not _UNFIT.search(text):
         return True
-    problems.add("bad-json", place, ascii(text[:60]), "text without NUL and without half surrogate pairs")
+    shown = re.sub(r"\\udc([89a-f][0-9a-f])", r"\\x\1", ascii(text[:60]))  # the byte of a file's name that is no text
+    problems.add("bad-json", place, shown, "text: a name in another encoding than UTF-8, or with NUL, cannot be here")
     problems.silence(place)
     return False

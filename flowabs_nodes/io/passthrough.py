@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import fnmatch
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio
 
-from flowabs_nodes.errors import WriteError, nearest
-from flowabs_nodes.image import Origin
+from flowabs_nodes.errors import FlowabsError, WriteError, nearest
+from flowabs_nodes.image import Image, Origin
+from flowabs_nodes.io import formats
 from flowabs_nodes.io.exr_header import header_of_part
 from flowabs_nodes.io.image_file import PictureFile, open_picture
 from flowabs_nodes.io.layers import layer_of, part_name
 from flowabs_nodes.io.orientation import upright
 from flowabs_nodes.io.output_image import Picture, moved, windows
+from flowabs_nodes.io.settings import Settings
 from flowabs_nodes.io.views import read_view, renamed, views_of
 
 Planes = dict[str, npt.NDArray[Any]]
@@ -61,6 +64,34 @@ def passthrough_layers(picture: Picture, warn: Callable[[str], None]) -> Passthr
             header["compression"] = file.specs[part].get_string_attribute("compression")
             parts.append((header, file.read_native(part, channels)))
     return Passthrough(mine, tuple(parts))
+
+
+def layers_left_out(image: Image, layers: Mapping[str, Image], settings: Settings) -> tuple[str, ...]:
+    """Return the names of the plate's layers that ``keep_layers`` "*" would keep, but that are in none of the images.
+
+    ``image`` and ``layers`` are what is written. An image that was read from the plate counts as the channels that it
+    was read from. There are none where the file is not there any more, of deep data, and where the picture has another
+    size than the plate: these cannot be kept.
+    """
+    origin = image.origin
+    format = formats.by_extension(origin.file) if origin is not None else None
+    if origin is None or format is None or not format.layers:
+        return ()
+    with suppress(FlowabsError), open_picture(origin.file, settings) as file:
+        if windows(file.specs[origin.part])[1] != image.display_window:
+            return ()
+        chosen = _chosen(file, origin, ["*"], set(layers))
+        origins = [each.origin for each in layers.values() if each.origin is not None]
+        written = {(each.file, each.part, channel) for each in origins for channel in each.channels}
+        return tuple(
+            dict.fromkeys(
+                layer_of(channel) or part_name(file.specs[part])
+                for part, channels in chosen.items()
+                for channel in channels
+                if (origin.file, part, channel) not in written
+            )
+        )
+    return ()
 
 
 def alpha_left_out(picture: Picture, warn: Callable[[str], None]) -> Planes:

@@ -46,6 +46,8 @@ def run_write(
     """Return the picture, ready to save, as ``picture``; the engine saves it to ``file``."""
     from flowabs_nodes.io.output_image import build_picture
 
+    if not keep_layers.strip(", "):
+        _tell_layers_left_out(context, file, image, layers)
     picture = build_picture(
         image,
         layers,
@@ -58,6 +60,18 @@ def run_write(
         warn=context.warn,
     )
     return {"picture": picture}
+
+
+def _tell_layers_left_out(context: Context, file: str, image: Image, layers: dict[str, Image]) -> None:
+    """Note which layers of the plate an EXR will not have, and how to keep them."""
+    from flowabs_nodes.io.passthrough import layers_left_out
+
+    format = formats.by_extension(file)
+    left_out = layers_left_out(image, layers, context.services) if format is not None and format.layers else ()
+    if left_out:
+        shown = ", ".join(left_out[:6]) + (f" and {len(left_out) - 6} more" if len(left_out) > 6 else "")
+        keep = f"--set {context.node}.keep_layers='\"*\"'"
+        context.note(f"the plate's other layers are left out: {shown} ({keep} keeps all)")
 
 
 WRITE = Node(

@@ -19,7 +19,7 @@ DONE = FrameReport(
 
 FAILED = FrameReport(1002, "failed", ("out.1002.exr",), 0.5, ReadError("is cut short", file="in.1002.exr", frame=1002))
 
-PROFILE = (NodeTime("flow", "etf", 2, 3.0, 2.0), NodeTime("lines", "fdog", 2, 1.0, 0.5))
+PROFILE = (NodeTime("flow", "etf", 2, 3.0, 2.0, 2), NodeTime("lines", "fdog", 2, 1.0, 0.5, 3))
 
 
 @pytest.fixture

@@ -179,4 +179,4 @@ def test_names_that_are_no_text_can_be_shown(tmp_path):
     result = subprocess.run([sys.executable, "-m", "flowabs_nodes", "check", name], capture_output=True)
     assert result.returncode == 2
     assert b"Traceback" not in result.stderr
-    assert b"gr\\udcff.json" in result.stderr
+    assert b"gr\\xff.json" in result.stderr

@@ -12,7 +12,9 @@ import pytest
 
 from flowabs_nodes import cli
 from flowabs_nodes.choices import EXISTING, MISSING
+from flowabs_nodes.engine import render_sequence
 from flowabs_nodes.engine.options import RunOptions
+from flowabs_nodes.simd import compile_hooks
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -238,3 +240,28 @@ def test_a_run_refuses_an_unknown_kernel_path_at_once(flowabs, monkeypatch):
     code, out, err = flowabs("run", "lines", "-i", "plate.exr", "-o", "out.exr")
     assert (code, out) == (2, "")
     assert "found 'sse2'" in err
+
+
+def test_that_kernels_are_compiled_is_said_once_and_not_if_quiet(flowabs, fake_run, monkeypatch):
+    told = render_sequence.render_sequence
+
+    def compiling(*arguments, **options):
+        compile_hooks.tell()
+        compile_hooks.tell()
+        return told(*arguments, **options)
+
+    monkeypatch.setattr(render_sequence, "render_sequence", compiling)
+    monkeypatch.setattr("flowabs_nodes.cli.precompile._begin", lambda *_: Ended())
+    monkeypatch.setattr("flowabs_nodes.cli.precompile._load_ahead", lambda *_: None)
+    assert flowabs("run", "lines")[1].count("kernels are being compiled") == 1
+    assert "kernels" not in flowabs("run", "lines", "-q")[1]
+
+
+class Ended:
+    """A process that has ended."""
+
+    def kill(self):
+        """Do nothing."""
+
+    def wait(self):
+        """Do nothing."""

@@ -153,7 +153,8 @@ def test_a_warning_about_thin_lines_is_said_once(shot, out):
     graph = graph_around(passes, Param.float("width", 1.0, min=0.1, unit="px", thin_below=1, help="Width."))
     events = []
     run(shot, out, graph, scale=0.5, on_event=events.append)
-    assert sum("width is 0.5 px" in event.get("text", "") for event in events) == 1
+    said = [(each["event"], each.get("frames")) for each in events if "width is 0.5 px" in each.get("text", "")]
+    assert said == [("note", None), ("shared-note", "1-3")]
 
 
 # ---------------------------------------------------------------------- how a run ends before its last frame

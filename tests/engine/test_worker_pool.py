@@ -10,6 +10,7 @@ import pytest
 from flowabs_nodes import stopping
 from flowabs_nodes.engine.job_builder import build_job
 from flowabs_nodes.engine.options import RunOptions
+from flowabs_nodes.engine.run_events import RunEvents
 from flowabs_nodes.engine.runnable import load_graph
 from flowabs_nodes.engine.worker_pool import Limits, WorkerPool
 from tests.engine.sequences import leftovers, pixels, plate
@@ -27,8 +28,13 @@ def job(tmp_path):
 
 def pool(job, notes=None, peak=1, **limits):
     known = {"jobs": 2, "threads": 2, "memory": 10**12} | limits
-    told = [] if notes is None else notes
-    return WorkerPool(job, Limits(**known), peak=peak, note=lambda note: told.append(str(note)))
+
+    def listen(event):
+        if event["event"] == "note" and notes is not None:
+            notes.append(event["text"])
+
+    types = {name: node.declaration.type for name, node in job.graph.nodes.items()}
+    return WorkerPool(job, Limits(**known), RunEvents(listen, types), peak=peak)
 
 
 def statuses(reports):

@@ -9,9 +9,12 @@ import numpy as np
 import OpenEXR
 import pytest
 
+from flowabs_nodes.engine.resize import scale_image
 from flowabs_nodes.errors import ReadError, WriteError
 from flowabs_nodes.image import Image, Window
-from flowabs_nodes.io.read import read_image
+from flowabs_nodes.io.passthrough import layers_left_out
+from flowabs_nodes.io.read import read_data, read_image
+from flowabs_nodes.io.settings import Settings
 from flowabs_nodes.io.write import build_picture, save
 from tests.io.files import (
     attributes,
@@ -235,3 +238,19 @@ def test_a_left_out_alpha_is_turned_with_the_picture(tmp_path: Path, orientation
     kept = written(read_image(plate), tmp_path / "kept.exr")[0]
     np.testing.assert_array_equal(native(out)["A"], native(kept)["A"])
     assert not warned
+
+
+# ---------------------------------------------------------------------- what is left out
+
+
+def test_layers_that_are_left_out_are_those_that_could_be_kept(plate: Path) -> None:
+    image = read_image(plate)
+    left_out = layers_left_out(image, {}, Settings())
+    assert set(left_out) == {"Z", "N", "id", "crypto00", "diffuse"}
+    assert "diffuse" not in layers_left_out(image, {"diffuse": image}, Settings()), "a layer of the frame replaces it"
+    depth = read_data(plate, layer="Z")
+    assert "Z" not in layers_left_out(image, {"depth": depth}, Settings()), "it is there under another name"
+    assert layers_left_out(Image.from_array(np.zeros((2, 2, 3), np.float32)), {}, Settings()) == ()
+    assert layers_left_out(scale_image(image, 0.5), {}, Settings()) == (), "of another size they cannot be kept"
+    plate.unlink()
+    assert layers_left_out(image, {}, Settings()) == ()
