@@ -107,8 +107,8 @@ class Graph:
     def values(self, frame: int) -> dict[str, dict[str, Any]]:
         """Return every parameter of every node at a frame, as the node's function takes it (lengths not scaled).
 
-        Defaults are filled in, knobs stand at their default, curves (of both) are read at ``frame``. A file that is not set is
-        left out.
+        Defaults are filled in, knobs stand at their default, and curves, of knobs and of parameters, are read at
+        ``frame``. A file that is not set is left out.
         """
         knobs = {name: knob.at(frame) for name, knob in self.interface.items()}
         result = {}

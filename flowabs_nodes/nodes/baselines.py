@@ -166,9 +166,7 @@ MEAN_SHIFT = Node(
 )
 
 
-def run_canny(
-    context: Context, image: Image, mask: Image | None, *, ground: float, space: str, **canny: Any
-) -> Image:
+def run_canny(context: Context, image: Image, mask: Image | None, *, ground: float, space: str, **canny: Any) -> Image:
     lines = filters.canny(image.encoded_mono(space, ground=ground), **canny)
     return image.with_pixels(within_mask(lines, mask), "matte")
 

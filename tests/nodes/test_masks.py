@@ -101,8 +101,10 @@ def test_a_masked_flow_is_that_of_the_filter():
 def test_what_is_masked_out_steers_no_flow():
     step = (np.arange(WIDTH) >= 32).astype(np.float32)
     noisy = np.where(np.arange(WIDTH)[:, None] < 30, plate(5).pixels[:, ::-1], plate().pixels).astype(np.float32)
-    flows = [run("etf", matte(step), {"gradient_reference": 16}, image=plate().with_pixels(p)) for p in
-             (plate().pixels, noisy)]
+    flows = [
+        run("etf", matte(step), {"gradient_reference": 16}, image=plate().with_pixels(p))
+        for p in (plate().pixels, noisy)
+    ]
     np.testing.assert_array_equal(*flows)
 
 

@@ -24,7 +24,7 @@ from flowabs_nodes.simd.pixelwise import as_picture, as_run, empty_run, first_pi
 _COLOR_ALONE, _LIGHTNESS_ALONE = 0.1, 0.3
 # How light red (a) and yellow (b) count as where lightness decides nothing.
 _DARK_A, _DARK_B = 0.4, 0.7
-# From the first of these m_c on, in code values, a side that is not clearly the light one is dark; wholly at the second.
+# In code values: from the first of these m_c on a side is dark unless it is clearly the light one, fully at the second.
 _DARK_IN_DOUBT, _DARK_UNLESS_LIGHT = 1.0, 2.0
 
 

@@ -18,7 +18,9 @@ def soft(height, width):
     return np.clip((np.hypot(x - width / 2, y - height / 2) - height / 5) / 6, 0, 1).astype(np.float32)
 
 
-@pytest.mark.parametrize("code", [GREY, photo(), noise(140, 41), noise(40, 9)], ids=["photo", "colour", "noise", "thin"])
+@pytest.mark.parametrize(
+    "code", [GREY, photo(), noise(140, 41), noise(40, 9)], ids=["photo", "colour", "noise", "thin"]
+)
 @pytest.mark.parametrize(
     ("radius", "kernel", "fill"),
     [(5.0, "full", None), (7.5, "full", 2.0), (20.0, "full", 0.0), (5.0, "separable", 0.0)],
@@ -34,7 +36,14 @@ def test_equals_the_equations_in_float64(code, radius, kernel, fill):
 
 @pytest.mark.parametrize(
     "options",
-    [{}, {"radius": 30.0}, {"fill": 4.0}, {"fill": None}, {"gradient_reference": "p99"}, {"radius": 9, "adaptive": True}],
+    [
+        {},
+        {"radius": 30.0},
+        {"fill": 4.0},
+        {"fill": None},
+        {"gradient_reference": "p99"},
+        {"radius": 9, "adaptive": True},
+    ],
 )
 def test_a_mask_of_ones_changes_nothing_but_rounding(options):
     ones = np.ones(GREY.shape, np.float32)
