@@ -94,7 +94,9 @@ def begin(block: Block, field: Field, fixed: FixedPoint, terms: Int32, layout: L
             prefetch(magnitude, i + ROWS * width)
             tx, ty = load_pairs(tangent, 2 * i)
             g = _strength(magnitude, i, field.inverse)
-            _store_terms(tx, ty, g, _weight(mask, i), True, fixed, terms, into + x, layout.columns)
+            _store_terms(tx, ty, g, True, fixed, terms, into + x, layout.columns)
+            if mask.size > 0:
+                _weigh_terms(load(mask, i), True, terms, into + x, layout.columns)
 
 
 @kernel
@@ -153,16 +155,9 @@ def turn_tangents(
             else:
                 store(tangents, after + x, tx)
                 store(tangents, after + columns + x, ty)
-                _store_terms(tx, ty, g, _weight(mask, i), p + 1 < kinds, fixed, terms, into + x, columns)
-
-
-@inlined
-def _weight(mask: Array, i: int) -> Floats:
-    """Return what the weight of the sixteen pixels from i on is multiplied by: the mask, or 1 if that is empty."""
-    weight = splat_floats(1.0)
-    if mask.size > 0:
-        weight = load(mask, i)
-    return weight
+                _store_terms(tx, ty, g, p + 1 < kinds, fixed, terms, into + x, columns)
+                if mask.size > 0:
+                    _weigh_terms(load(mask, i), p + 1 < kinds, terms, into + x, columns)
 
 
 @inlined
@@ -172,26 +167,31 @@ def _strength(magnitude: Array, i: int, inverse: float) -> Any:
 
 
 @inlined
-def _store_terms(
-    tx: Any, ty: Any, g: Any, weight: Any, trace: bool, fixed: FixedPoint, terms: Int32, i: int, columns: int
-) -> None:
-    """Write the terms of sixteen tangents (tx, ty) of strength g and of a weight, the first plane at ``terms[i]``.
+def _store_terms(tx: Any, ty: Any, g: Any, trace: bool, fixed: FixedPoint, terms: Int32, i: int, columns: int) -> None:
+    """Write the terms of sixteen tangents (tx, ty) of strength g, the first plane at ``terms[i]``.
 
     ``trace``: whether to write |t|^2 and ĝ|t|^2 too. They are the same in every iteration.
     """
     c, s = (tx * tx - ty * ty) * fixed.one, 2.0 * tx * ty * fixed.one  # eq. 4 # eq. 5: φ w_d t(y) = N(y) t(x)
-    c, s = weight * c, weight * s
     store(terms, i, _rounded(c))
     store(terms, i + columns, _rounded(g * c))
     store(terms, i + 2 * columns, _rounded(s))
     store(terms, i + 3 * columns, _rounded(g * s))
     if trace:
-        there = tx * tx + ty * ty > 0.0  # |t|^2 is 1 or 0, before it is multiplied by the weight
+        there = tx * tx + ty * ty > 0.0  # |t|^2 is 1 or 0
         if fixed.trace_bit > 0:
             store(terms, i + 4 * columns, select(there, _rounded(g * fixed.one_below) + (1 << fixed.trace_bit), 0))
         else:
-            store(terms, i + 4 * columns, _rounded(select(there, weight * fixed.one, 0.0)))
-            store(terms, i + 5 * columns, _rounded(select(there, weight * g * fixed.one, 0.0)))
+            store(terms, i + 4 * columns, _rounded(select(there, splat_floats(fixed.one), 0.0)))
+            store(terms, i + 5 * columns, _rounded(select(there, g * fixed.one, 0.0)))
+
+
+@inlined
+def _weigh_terms(weight: Floats, trace: bool, terms: Int32, i: int, columns: int) -> None:
+    """Multiply the terms that :func:`_store_terms` has written, each in a plane of its own, by a weight from 0 to 1."""
+    for plane in range(6 if trace else 4):
+        at = i + plane * columns
+        store(terms, at, _rounded(to_floats(load(terms, at)) * weight))
 
 
 @inlined
