@@ -49,7 +49,7 @@ def test_a_shipped_graph_over_frames(tmp_path, monkeypatch):
     report = fa.run("abstraction", input="shot.####.exr", output="out.####.exr", frames="1001-1100")
     assert [frame.status for frame in report.frames[:3]] == ["done", "done", "failed"]
     assert report.exit_code == 1
-    assert pixels("out.1002.exr").shape == (48, 64, 3)
+    assert pixels("out.1002.exr").shape == (48, 64, 7)  # the picture, and its ink as a layer
     report = fa.run("abstraction", input="shot.####.exr", output="out.####.exr")
     assert (report.counts["skipped"], report.exit_code) == (2, 0)
 

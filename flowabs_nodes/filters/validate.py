@@ -32,6 +32,16 @@ def plane(name: str, value: npt.ArrayLike, shape: tuple[int, ...] | None = None,
     return _fitting(name, _array(name, value, "(H, W)", lambda found: len(found) == 2, check_finite), shape)
 
 
+def matte(name: str, value: npt.ArrayLike, shape: tuple[int, ...]) -> Array:
+    """Return ``value`` as (H, W) float32 from 0 to 1, H and W those of ``shape``."""
+    result = plane(name, value, shape)
+    low, high = float(result.min()), float(result.max())
+    if low < 0 or high > 1:
+        message = f"{name}: expected numbers from 0 to 1, found {low:g} to {high:g}"
+        raise ArgumentError(message, code="out-of-range", parameter=name)
+    return result
+
+
 def planes(name: str, value: npt.ArrayLike, *, check_finite: bool = True, summed: bool = False) -> Array:
     """Return ``value`` as (H, W, 3) finite float32; ``check_finite`` as for :func:`plane`.
 

@@ -8,8 +8,10 @@ from typing import Any
 
 from flowabs_nodes.graph import document_keys
 from flowabs_nodes.graph.format import KNOB_TYPES, KnobType
+from flowabs_nodes.graph.literals import check_literal, read_curve, whole_hint
 from flowabs_nodes.graph.model import Knob
 from flowabs_nodes.graph.problems import Place, Problems, show
+from flowabs_nodes.graph.values import Curve
 from flowabs_nodes.nodes.declare import Param
 
 #: The types of knobs that a parameter of each kind takes as they are. Of a ``custom`` parameter the value decides.
@@ -48,8 +50,7 @@ def _read_knob(name: str, raw: Any, place: Place, problems: Problems) -> Knob | 
     if problems.errors > before:
         return None
     knob["choices"] = tuple(knob.get("choices", ()))
-    made = Knob(name, **knob)
-    _check_range(made, place, problems)
+    made = _at_its_value(Knob(name, **knob), place, problems)
     return made if problems.errors == before else None
 
 
@@ -68,8 +69,11 @@ def _check_choices(choices: list[Any] | None, place: Place, problems: Problems) 
         problems.add("bad-value", place, found, "a list of different words for an enum to choose from")
 
 
-def _check_range(knob: Knob, place: Place, problems: Problems) -> None:
-    """Check the ends of the range against the knob's type and each other, then the default against the range."""
+def _at_its_value(knob: Knob, place: Place, problems: Problems) -> Knob:
+    """Return the knob with its curve, if its default is one.
+
+    Checks the ends of the range against the knob's type and each other, then the default against the range.
+    """
     free = replace(knob, min=None, max=None).param
     before = problems.errors
     for key in ("min", "max"):
@@ -80,17 +84,14 @@ def _check_range(knob: Knob, place: Place, problems: Problems) -> None:
             problems.add(wrong[0], (*place, key), show(end), wrong[1], hint)
     if problems.errors == before and knob.min is not None and knob.max is not None and knob.min > knob.max:
         problems.add("bad-value", (*place, "max"), show(knob.max), f"at least min, {knob.min:g}")
-    wrong = (knob.param if problems.errors == before else free).problem(knob.default)
-    if wrong:
-        hint = problems.near(knob.default, knob.choices) if knob.choices else ""
-        if knob.type == "int" and wrong[0] == "wrong-type":
-            hint = whole_hint(knob.default)
-        problems.add(wrong[0], (*place, "default"), show(knob.default), wrong[1], hint)
-
-
-def whole_hint(value: Any) -> str:
-    """Return what to write instead of 3.0 where a whole number belongs; nothing for any other value."""
-    return f"write {int(value)}" if isinstance(value, float) and value.is_integer() and abs(value) < 2**53 else ""
+    judge, default, here = knob.param if problems.errors == before else free, knob.default, (*place, "default")
+    if not isinstance(default, dict) or "curve" not in default:
+        check_literal(judge, default, here, problems)
+        return knob
+    for key in default.keys() - {"curve"}:
+        problems.add("unknown-key", (*here, key), f"{key!r} beside a curve", "curve alone")
+    keys = read_curve(judge, default["curve"], (*here, "curve"), problems)
+    return replace(knob, curve=Curve(keys, knob.type == "int"))
 
 
 def check_drives(knob: Knob, param: Param, owner: str, place: Place, problems: Problems) -> None:
@@ -104,10 +105,21 @@ def check_drives(knob: Knob, param: Param, owner: str, place: Place, problems: P
         wanted = f"a knob of type {' or '.join(DRIVES[param.kind])}"
         problems.add("wrong-type", (*place, "from"), f"knob {knob.name!r} of type {knob.type}", wanted, hint)
         return
-    values: list[tuple[Place, Any]] = [(("default",), knob.default), (("min",), knob.min), (("max",), knob.max)]
+    values: list[tuple[Place, Any]] = [(("min",), knob.min), (("max",), knob.max)]
+    if knob.curve is None:
+        values.insert(0, (("default",), knob.default))
+    else:
+        values[:0] = [(("default", "curve", str(frame)), value) for frame, value in knob.curve.keys]
     values += [(("choices", i), choice) for i, choice in enumerate(knob.choices)]
     for key, value in values:
         wrong = None if value is None else param.problem(value)
         if wrong:
             problems.add(wrong[0], ("interface", knob.name, *key), show(value), f"{wrong[1]}, for {owner}")
             return  # the default, and the range it lies in, are one mistake
+
+
+def check_moves(knob: Knob, param: Param, owner: str, problems: Problems) -> None:
+    """Check that a knob with a curve drives a parameter that may change from frame to frame, as it is or by a map."""
+    if knob.curve is not None and not param.animatable:
+        place = ("interface", knob.name, "default", "curve")
+        problems.add("wrong-type", place, "a curve", f"one value: {owner} is the same on every frame")

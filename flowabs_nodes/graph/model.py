@@ -9,7 +9,7 @@ from typing import Any
 from flowabs_nodes.graph.format import KnobType
 from flowabs_nodes.graph.problems import Problem, shortened, show
 from flowabs_nodes.graph.reference_size import ReferenceSize
-from flowabs_nodes.graph.values import Value
+from flowabs_nodes.graph.values import Curve, Value
 from flowabs_nodes.nodes.declare import Node, Param
 
 
@@ -28,8 +28,9 @@ class Link:
 class Knob:
     """Describes one control that a graph offers an artist.
 
-    ``min`` and ``max`` are for numbers, ``choices`` for an enum. ``default`` is the value that the knob stands at;
-    setting the knob makes a graph with another default.
+    ``min`` and ``max`` are for numbers, ``choices`` for an enum. ``default`` is the value that the knob stands at, as
+    the file has it; setting the knob makes a graph with another default. Of a number it may be ``{"curve": ...}``,
+    which is read in ``curve``.
     """
 
     name: str
@@ -40,6 +41,11 @@ class Knob:
     unit: str = ""
     help: str = ""
     choices: tuple[str, ...] = ()
+    curve: Curve | None = None
+
+    def at(self, frame: int) -> Any:
+        """Return the value that the knob stands at on a frame."""
+        return self.default if self.curve is None else self.curve.at(frame, {})
 
     def __repr__(self) -> str:
         return f"<Knob {self.name} = {show(self.default)}: {self.param.expected}>"
@@ -114,10 +120,10 @@ class Graph:
     def values(self, frame: int) -> dict[str, dict[str, Any]]:
         """Return every parameter of every node at a frame, as the node's function takes it (lengths not scaled).
 
-        Defaults are filled in, knobs stand at their default, curves are read at ``frame``. A file that is not set is
-        left out.
+        Defaults are filled in, knobs stand at their default, and curves, of knobs and of parameters, are read at
+        ``frame``. A file that is not set is left out.
         """
-        knobs = {name: knob.default for name, knob in self.interface.items()}
+        knobs = {name: knob.at(frame) for name, knob in self.interface.items()}
         result = {}
         for name, node in self.nodes.items():
             declared = node.declaration.all_params

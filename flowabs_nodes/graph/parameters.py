@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from flowabs_nodes.graph.document_keys import NUMBER
-from flowabs_nodes.graph.format import FRAME
-from flowabs_nodes.graph.knobs import check_drives, whole_hint
+from flowabs_nodes.graph.knobs import check_drives, check_moves
+from flowabs_nodes.graph.literals import check_literal, read_curve
 from flowabs_nodes.graph.model import Knob
 from flowabs_nodes.graph.problems import Place, Problems, show
 from flowabs_nodes.graph.values import Curve, FromKnob, Literal, Value
@@ -24,11 +24,11 @@ def read_value(
         if not _shape_fits(raw, param, place, problems):
             return None
         if "curve" in raw:
-            value = Curve(_curve(param, raw["curve"], (*place, "curve"), problems), param.kind == "int")
+            value = Curve(read_curve(param, raw["curve"], (*place, "curve"), problems), param.kind == "int")
         else:
             value = _from_knob(param, raw, knobs, owner, place, problems)
     else:
-        _check(param, raw, place, problems)
+        check_literal(param, raw, place, problems)
         value = Literal(raw)
     return value if problems.errors == before else None
 
@@ -52,21 +52,6 @@ def _shape_fits(raw: dict[str, Any], param: Param, place: Place, problems: Probl
     return fits
 
 
-def _check(param: Param, value: Any, place: Place, problems: Problems) -> None:
-    wrong = param.problem(value)
-    if wrong:
-        hint = problems.near(value, param.choices) if param.choices else ""
-        if param.kind in ("string", "file") and wrong[0] == "wrong-type":
-            hint = f"a text stands in quotes: {_quoted(value)}" if isinstance(value, int | float) else ""
-        if param.kind == "int" and wrong[0] == "wrong-type":
-            hint = whole_hint(value)
-        problems.add(wrong[0], place, show(value), wrong[1], hint)
-
-
-def _quoted(value: Any) -> str:
-    return show(show(value))
-
-
 def _from_knob(
     param: Param, raw: dict[str, Any], knobs: Mapping[str, Knob | None], owner: str, place: Place, problems: Problems
 ) -> FromKnob:
@@ -81,6 +66,7 @@ def _from_knob(
     if "map" not in raw:
         if knob is not None:
             check_drives(knob, param, owner, place, problems)
+            check_moves(knob, param, owner, problems)
         return FromKnob(str(name))
     if not param.numeric:
         problems.add("wrong-type", (*place, "map"), "a map", f"no map: only numbers take one; {param.expected}")
@@ -88,6 +74,8 @@ def _from_knob(
         problems.add(
             "wrong-type", (*place, "from"), f"knob {name!r} of type {knob.type}", "a knob of type float or int"
         )
+    elif knob is not None:
+        check_moves(knob, param, owner, problems)
     points = _map(param, raw["map"], (*place, "map"), problems) if param.numeric else ()
     return FromKnob(str(name), points, param.kind == "int")
 
@@ -109,31 +97,8 @@ def _map(param: Param, raw: Any, place: Place, problems: Problems) -> tuple[tupl
         if points and x <= points[-1][0]:
             problems.add("bad-value", (*place, i, 0), show(x), f"x greater than the point before's, {points[-1][0]:g}")
         if NUMBER.fits(y):
-            _check(param, y, (*place, i, 1), problems)
+            check_literal(param, y, (*place, i, 1), problems)
             points.append((x, y))
         else:
             problems.add("wrong-type", (*place, i, 1), show(y), param.expected)
     return tuple(points)
-
-
-def _curve(param: Param, raw: Any, place: Place, problems: Problems) -> tuple[tuple[int, float], ...]:
-    """Read the keys {"frame": value, ...} of a curve, in the order of the frames."""
-    if not param.animatable:
-        why = "this number is the same on every frame" if param.numeric else "only numbers take one"
-        problems.add("wrong-type", place, "a curve", f"no curve: {why}; {param.expected}")
-        return ()
-    if not isinstance(raw, dict):
-        problems.add("wrong-type", place, show(raw), 'an object from frame to value, such as {"1001": 0.98, "1100": 1}')
-        return ()
-    if not raw:
-        problems.add("bad-value", place, "a curve without keys", "one key at least")
-    keys = []
-    for frame, value in raw.items():
-        if not FRAME.fullmatch(frame):
-            problems.add("bad-value", (*place, frame), show(frame), "a frame: a whole number of at most 9 digits")
-        elif NUMBER.fits(value):
-            _check(param, value, (*place, frame), problems)
-            keys.append((int(frame), value))
-        else:
-            problems.add("wrong-type", (*place, frame), show(value), param.expected.removesuffix(", or null"))
-    return tuple(sorted(keys))

@@ -75,9 +75,10 @@ def schema(catalogue: Mapping[str, Node] | None = None) -> Schema:
 def _knob() -> Schema:
     """Return the schema of a knob; its type decides what the default must be and which other keys there are."""
     numbers: Schema = {"min": {}, "max": {}}
+    number, whole = {"type": "number"}, {"type": "integer"}
     by_type: dict[str, tuple[Schema, Schema]] = {
-        "float": ({"type": "number"}, numbers),
-        "int": ({"type": "integer"}, {key: {"type": "integer"} for key in numbers}),
+        "float": ({"anyOf": [number, _curve(number)]}, numbers),
+        "int": ({"anyOf": [whole, _curve(whole)]}, dict.fromkeys(numbers, whole)),
         "bool": ({"type": "boolean"}, {}),
         "enum": ({"type": "string"}, {"choices": {}}),
         "string": ({"type": "string"}, {}),
@@ -156,10 +157,7 @@ def _param(param: Param) -> Schema:
     number = {**literal, "type": literal["type"][0]} if param.nullable and param.numeric else literal
     forms[1] = {"$ref": "#/$defs/from", "properties": {"map": _points(number) if param.numeric else False}}
     if param.animatable:
-        keys = {"type": "object", "minProperties": 1, "additionalProperties": number}
-        keys["propertyNames"] = {"pattern": f"^({FRAME.pattern})$"}
-        curve = {"type": "object", "properties": {"curve": keys}, "required": ["curve"], "additionalProperties": False}
-        forms.append(curve)
+        forms.append(_curve(number))
     result: Schema = {"title": param.label, "description": param.help}
     if not param.required:
         result["default"] = list(param.default) if isinstance(param.default, tuple) else param.default
@@ -228,6 +226,13 @@ def _from() -> Schema:
         "required": ["from"],
         "additionalProperties": False,
     }
+
+
+def _curve(y: Schema) -> Schema:
+    """Return the schema of ``{"curve": {frame: y, ...}}``."""
+    keys: Schema = {"type": "object", "minProperties": 1, "additionalProperties": y}
+    keys["propertyNames"] = {"pattern": f"^({FRAME.pattern})$"}
+    return {"type": "object", "properties": {"curve": keys}, "required": ["curve"], "additionalProperties": False}
 
 
 def _points(y: Schema) -> Schema:

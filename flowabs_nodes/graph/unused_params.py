@@ -17,7 +17,7 @@ from flowabs_nodes.nodes.declare import Param
 
 def add_unused_params(nodes: Iterable[GraphNode], knobs: Mapping[str, Knob], problems: Problems) -> None:
     """Add a warning for each parameter that is set and does nothing, with knobs at their current values."""
-    standing = {name: knob.default for name, knob in knobs.items()}
+    standing = {name: knob.at(0) for name, knob in knobs.items()}
     for node in nodes:
         declared = node.declaration.all_params
         conditional = [name for name in node.params if declared[name].enabled_when]

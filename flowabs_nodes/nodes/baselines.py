@@ -12,7 +12,7 @@ from flowabs_nodes.filters.opencv import EXTRA
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.common_params import GROUND, SPACE
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
-from flowabs_nodes.nodes.lines import IMAGE, LINES
+from flowabs_nodes.nodes.lines import IMAGE, INK_MASK, LINES, within_mask
 from flowabs_nodes.nodes.regions import within
 from flowabs_nodes.nodes.smooth import FBL
 
@@ -170,9 +170,9 @@ MEAN_SHIFT = Node(
 )
 
 
-def run_canny(context: Context, image: Image, *, ground: float, space: str, **canny: Any) -> Image:
+def run_canny(context: Context, image: Image, mask: Image | None, *, ground: float, space: str, **canny: Any) -> Image:
     lines = filters.canny(image.encoded_mono(space, ground=ground), **canny)
-    return image.with_pixels(lines, "matte")
+    return image.with_pixels(within_mask(lines, mask), "matte")
 
 
 CANNY = Node(
@@ -186,7 +186,7 @@ CANNY = Node(
         "and high are parts of the frame's largest. HDR: nothing is clipped, but a bright highlight has the largest "
         "gradient and thins out all other lines, less so in acescct."
     ),
-    inputs=(IMAGE,),
+    inputs=(IMAGE, INK_MASK),
     outputs=(LINES,),
     params=(
         Param.float(

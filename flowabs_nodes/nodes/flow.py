@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from flowabs_nodes import filters
 from flowabs_nodes.choices import ETF_KERNELS
 from flowabs_nodes.filters import halo
@@ -31,6 +33,7 @@ def _reference_problem(value: Any) -> str | None:
 def run_etf(
     context: Context,
     image: Image,
+    mask: Image | None,
     *,
     gradient_reference: str | float,
     color: bool,
@@ -43,7 +46,8 @@ def run_etf(
     )
 
     code = image.encoded(space, ground=ground) if color else image.encoded_mono(space, ground=ground)
-    flow, reference = etf_and_reference(code, gradient_reference=gradient_reference, **etf)
+    counts = None if mask is None else np.clip(mask.pixels[..., 0], 0, 1)
+    flow, reference = etf_and_reference(code, gradient_reference=gradient_reference, mask=counts, **etf)
     if isinstance(gradient_reference, str):
         context.note(f"gradient reference {gradient_reference} = {reference:.4g} code values/px")
     return image.with_pixels(flow, "flow")
@@ -66,7 +70,15 @@ ETF = Node(
         "gradients and similar directions, so that weak edges turn to follow the strong ones beside them. All other "
         "flow-based nodes follow what this one makes."
     ),
-    inputs=(Port("image", "color", "The picture whose edges to follow."),),
+    inputs=(
+        Port("image", "color", "The picture whose edges to follow."),
+        Port(
+            "mask",
+            "matte",
+            "How much each pixel counts: at 0 it turns no tangent around it, and takes its own from there.",
+            optional=True,
+        ),
+    ),
     outputs=(Port("flow", "flow", "Unit tangents, x right, y down; their sign has no meaning."),),
     params=(
         Param.float(
@@ -153,7 +165,7 @@ ETF = Node(
         SPACE,
     ),
     run=run_etf,
-    region=within(_etf_halo, "image"),
+    region=within(_etf_halo, "image", "mask"),
 )
 
 

@@ -22,6 +22,8 @@ from flowabs_nodes.nodes.regions import within
 
 IMAGE = Port("image", "color", "The picture to draw.")
 FLOW = Port("flow", "flow", "The flow that lines follow.")
+#: As the mask of all other nodes it says where the node acts, but here the rest is paper.
+INK_MASK = Port("mask", "matte", "Where to draw: ink is multiplied by it, and the rest is paper.", optional=True)
 LINES = Port("lines", "matte", "The drawing: 1 is paper, 0 is ink.")
 RESPONSE = Port(
     "response",
@@ -64,9 +66,18 @@ def draw(
     return filters.threshold(response, tau=tau, contrast=contrast, softness=softness), response
 
 
-def outputs(image: Image, lines: Array, response: Array) -> dict[str, Image]:
+def outputs(image: Image, lines: Array, response: Array, mask: Image | None) -> dict[str, Image]:
     """Return both outputs as images, with the picture's windows and metadata."""
-    return {"lines": image.with_pixels(lines, "matte"), "response": image.with_pixels(response, "mono")}
+    drawing = image.with_pixels(within_mask(lines, mask), "matte")
+    return {"lines": drawing, "response": image.with_pixels(response, "mono")}
+
+
+def within_mask(lines: Array, mask: Image | None) -> Array:
+    """Return 1 - (1 - lines) mask, (H, W): the drawing where the mask is 1, paper where it is 0 or less."""
+    if mask is None:
+        return lines
+    ink = np.clip(mask.pixels[..., 0], 0, 1)
+    return lines * ink + (1 - ink)  # where the mask is 1 no bit changes
 
 
 def smoothed(lines: Array, flow: Image, sigma: float, sampling: str) -> Array:
@@ -74,9 +85,11 @@ def smoothed(lines: Array, flow: Image, sigma: float, sampling: str) -> Array:
     return lines if sigma == 0 else filters.flow_blur(lines, flow.pixels, sigma=sigma, sampling=sampling)
 
 
-def run_dog(context: Context, image: Image, *, ground: float, space: str, **dog: Any) -> dict[str, Image]:
+def run_dog(
+    context: Context, image: Image, mask: Image | None, *, ground: float, space: str, **dog: Any
+) -> dict[str, Image]:
     code = image.encoded_mono(space, ground=ground)
-    return outputs(image, *draw(partial(filters.dog, code), **dog))
+    return outputs(image, *draw(partial(filters.dog, code), **dog), mask)
 
 
 def _dog_halo(params: Mapping[str, Any]) -> int:
@@ -90,11 +103,11 @@ DOG = Node(
     category="compare",
     help="Lines by isotropic difference of Gaussians: what FDoG is compared with.",
     doc="Winnemoeller's edge model [38], which follows no flow. Response: eq. 8 in two dimensions; lines: eq. 9.",
-    inputs=(IMAGE,),
+    inputs=(IMAGE, INK_MASK),
     outputs=(LINES, RESPONSE),
     params=(FORM, *DIFFERENCE, *THRESHOLD, *XDOG, GROUND, SPACE),
     run=run_dog,
-    region=within(_dog_halo, "image"),
+    region=within(_dog_halo, "image", "mask"),
 )
 
 
@@ -102,6 +115,7 @@ def run_fdog(
     context: Context,
     image: Image,
     flow: Image,
+    mask: Image | None,
     *,
     color_weight: float,
     smooth: float,
@@ -112,7 +126,7 @@ def run_fdog(
     color_weight = 0.0 if fdog["form"] == "xdog" else color_weight
     code = code_values(image, space, ground, color_weight)
     lines, response = draw(partial(filters.fdog, code, flow.pixels, color_weight=color_weight), **fdog)
-    return outputs(image, smoothed(lines, flow, smooth, fdog["sampling"]), response)
+    return outputs(image, smoothed(lines, flow, smooth, fdog["sampling"]), response, mask)
 
 
 def _fdog_halo(params: Mapping[str, Any]) -> int:
@@ -129,11 +143,11 @@ FDOG = Node(
         "Section 3.1, eqs. 6-11: a difference of Gaussians across the flow, gathered along it, so that true edges add "
         "up and noise does not. With rho = 1 and a contrast, the amount of line does not depend on brightness."
     ),
-    inputs=(IMAGE, FLOW),
+    inputs=(IMAGE, FLOW, INK_MASK),
     outputs=(LINES, RESPONSE),
     params=(FORM, SIGMA_M, *DIFFERENCE, *THRESHOLD, *XDOG, *ALONG_FLOW),
     run=run_fdog,
-    region=within(_fdog_halo, "image", "flow"),
+    region=within(_fdog_halo, "image", "flow", "mask"),
 )
 
 
@@ -141,6 +155,7 @@ def run_fdog_iterative(
     context: Context,
     image: Image,
     flow: Image,
+    mask: Image | None,
     *,
     color_weight: float,
     smooth: float,
@@ -151,7 +166,7 @@ def run_fdog_iterative(
     color_weight = 0.0 if fdog_iterative["form"] == "xdog" else color_weight
     code = code_values(image, space, ground, color_weight)
     lines, response = filters.fdog_iterative(code, flow.pixels, color_weight=color_weight, **fdog_iterative)
-    return outputs(image, smoothed(lines, flow, smooth, fdog_iterative["sampling"]), response)
+    return outputs(image, smoothed(lines, flow, smooth, fdog_iterative["sampling"]), response, mask)
 
 
 def _fdog_iterative_halo(params: Mapping[str, Any]) -> int:
@@ -169,7 +184,7 @@ FDOG_ITERATIVE = Node(
         "Section 3.2: the ink of the last pass is laid over the original, the flow stays, and FDoG runs again. "
         "One pass looks like pencil, two like pen, three like brush."
     ),
-    inputs=(IMAGE, FLOW),
+    inputs=(IMAGE, FLOW, INK_MASK),
     outputs=(LINES, RESPONSE),
     params=(
         FORM,
@@ -194,5 +209,5 @@ FDOG_ITERATIVE = Node(
         *ALONG_FLOW,
     ),
     run=run_fdog_iterative,
-    region=within(_fdog_iterative_halo, "image", "flow"),
+    region=within(_fdog_iterative_halo, "image", "flow", "mask"),
 )

@@ -186,6 +186,18 @@ def _mixes(node: Node, inputs: dict[str, Image]) -> None:
     require(np.allclose(between, (image.pixels + full.pixels) / 2, atol=1e-5), "mix 0.5 must be half-way")
 
 
+def mask_of_one_is_no_mask(node: Node) -> None:
+    """Check of a node with a mask of its own that 1 everywhere, to rounding, is as if none were connected."""
+    for scene in SCENES:
+        inputs = inputs_of(node, scene)
+        ones = inputs[MASK.name].with_pixels(np.ones_like(inputs[MASK.name].pixels))
+        masked = run_node(node, inputs | {MASK.name: ones})
+        del inputs[MASK.name]
+        for name, image in run_node(node, inputs).items():
+            same = np.allclose(masked[name].pixels, image.pixels, rtol=1e-3, atol=1e-3)
+            require(same, f"{scene}: a mask of 1 changes output {name!r}")
+
+
 # ---------------------------------------------------------------------- nodes that read or write files
 
 

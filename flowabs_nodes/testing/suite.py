@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from flowabs_nodes.errors import FlowabsError
-from flowabs_nodes.nodes.declare import Node
+from flowabs_nodes.nodes.declare import MASK, Node
 from flowabs_nodes.testing import checks, frame_windows, parameters, regions
 from flowabs_nodes.testing.running import ComplianceError, require
 
@@ -52,6 +52,8 @@ def compliance_checks(node: Node) -> list[Check]:
                 "takes_windows_that_are_cut": partial(frame_windows.takes_windows_that_are_cut, node),
                 "gives_the_same_alone_in_a_run_and_in_another_order": partial(frame_windows.same_in_any_order, node),
             }
+        if any(port.name == MASK.name for port in node.inputs):
+            found["mask_of_one_is_no_mask"] = partial(checks.mask_of_one_is_no_mask, node)
         if node.mixes:
             found["mixes"] = partial(checks.mixes, node)
         for param in node.all_params.values():

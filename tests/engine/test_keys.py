@@ -149,8 +149,9 @@ def test_a_key_holds_those_of_all_frames_that_are_read():
 @pytest.mark.parametrize(
     ("name", "keys"),
     [
-        ("lines", {"flow": "a2d7638c457f", "out": "c0d5a6889112"}),
-        ("abstraction_hdr", {"flow": "412476b73264", "out": "a59a5af38baa"}),
+        ("lines", {"flow": "a2d7638c457f", "lines": "1157f05f606f", "out": "cdb10536f127"}),
+        ("abstraction_hdr", {"flow": "412476b73264", "comp": "24fe8b03ccb1", "out": "f8476534f025"}),
+        ("flat", {"flow": "7cd5aedb47df", "out": "f602210b7a38"}),
     ],
 )
 def test_keys_of_released_graphs_stay(name, keys, monkeypatch):

@@ -39,27 +39,34 @@ def etf(
     kernel: str = "full",
     reference: float | None = None,
     fill: float | None = None,
+    mask: npt.ArrayLike | None = None,
 ) -> Float64:
     """Return the ETF by eqs. 1-5 as printed; pixels outside the picture take no part.
 
-    ``reference`` is the gradient of full strength, None its maximum; with ``fill`` None tangents may be zero.
+    ``reference`` is the gradient of full strength, None its maximum; with ``fill`` None tangents may be zero. A pixel's
+    gradient, certainty and weight are multiplied by ``mask``; where it is 0 there is no tangent.
     """
     tangent, magnitude = gradient(code)
+    mask = np.ones(magnitude.shape) if mask is None else np.asarray(mask, np.float64)
+    tangent, magnitude = np.where(mask[..., None] > 0, tangent, 0), magnitude * mask
     reference = magnitude.max() if reference is None else reference
     strength = np.minimum(magnitude / reference, 1) if reference > 0 else np.zeros_like(magnitude)
     if fill is not None:
-        tangent = flow_fill(tangent, magnitude, fill)
+        tangent = flow_fill(tangent, magnitude, fill, mask)
     d = range(-int(np.ceil(radius)), int(np.ceil(radius)) + 1)
     disc = [(dx, dy) for dy in d for dx in d if dx * dx + dy * dy < radius * radius]  # eq. 2
     row, column = [(k, 0) for k in d if abs(k) < radius], [(0, k) for k in d if abs(k) < radius]
     for _ in range(iterations):
         for offsets in [disc] if kernel == "full" else [row, column]:
-            tangent = _smooth(tangent, strength, offsets)
+            tangent = _smooth(tangent, strength, offsets, mask)
     return tangent
 
 
-def _smooth(tangent: Float64, strength: Float64, offsets: list[tuple[int, int]]) -> Float64:
+def _smooth(
+    tangent: Float64, strength: Float64, offsets: list[tuple[int, int]], mask: Float64 | None = None
+) -> Float64:
     """Return the tangents after one application of eq. 1, summed over the pixels at ``offsets`` (dx, dy)."""
+    mask = np.ones_like(strength) if mask is None else mask
     height, width = strength.shape
     total = np.zeros_like(tangent)
     for dx, dy in offsets:  # y = x + (dx, dy), for all x whose y lies in the picture
@@ -69,7 +76,7 @@ def _smooth(tangent: Float64, strength: Float64, offsets: list[tuple[int, int]])
         phi = np.where(dot > 0, 1, -1)  # eq. 5
         w_m = (strength[there] - strength[here] + 1) / 2  # eq. 3
         w_d = np.abs(dot)  # eq. 4
-        total[here] += (phi * w_m * w_d)[..., None] * tangent[there]  # eq. 1
+        total[here] += (mask[there] * phi * w_m * w_d)[..., None] * tangent[there]  # eq. 1
     k = np.linalg.norm(total, axis=-1, keepdims=True)
     return np.where(k > 0, total / np.where(k > 0, k, 1), tangent)
 

@@ -65,11 +65,19 @@ def fdog(
 def _joined(d_l: Float64, m_a: Float64, m_b: Float64, color_sign: bool) -> Float64:
     """Join the responses of lightness and of two channels of colour, which are weighted already."""
     m_c = np.hypot(m_a, m_b)
-    t = np.ones(d_l.shape)
+    sign = np.tanh(2 * d_l)
     if color_sign:
-        ramp = np.clip((np.abs(d_l) / np.where(m_c > 0, m_c, 1) - 0.1) / 0.2, 0, 1)
-        t = np.where(m_c > 0, ramp**2 * (3 - 2 * ramp), 1)
-    return np.hypot(d_l, m_c) * (t * np.tanh(2 * d_l) + (1 - t) * np.tanh(2 * (0.4 * m_a + 0.7 * m_b)))
+        t = np.where(m_c > 0, smoothstep(0.1, 0.3, np.abs(d_l) / np.where(m_c > 0, m_c, 1)), 1)
+        sign = t * sign + (1 - t) * np.tanh(2 * (0.4 * m_a + 0.7 * m_b))
+        q = smoothstep(1, 2, m_c)
+        sign = (1 - q) * sign + q * (2 * smoothstep(0, 1, sign) - 1)
+    return np.hypot(d_l, m_c) * sign
+
+
+def smoothstep(low: float, high: float, x: Float64) -> Float64:
+    """Return 0 up to ``low``, 1 from ``high`` on, and a smooth way between."""
+    x = np.clip((x - low) / (high - low), 0, 1)
+    return 3 * x**2 - 2 * x**3
 
 
 def threshold(response, tau=0.5, contrast=None, softness=0.0):

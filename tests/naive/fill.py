@@ -10,15 +10,16 @@ import numpy.typing as npt
 Float64 = npt.NDArray[np.float64]
 
 
-def flow_fill(tangent: Float64, magnitude: Float64, fill: float) -> Float64:
+def flow_fill(tangent: Float64, magnitude: Float64, fill: float, mask: Float64 | None = None) -> Float64:
     """Return the major eigenvectors of tensors that lean on the average around them, the more the weaker they are.
 
-    Tangents of a magnitude of ``fill`` or more stay as they are.
+    Tangents of a magnitude of ``fill`` or more stay as they are, where ``mask`` is 1: it multiplies their certainty.
     """
+    mask = np.ones_like(magnitude) if mask is None else mask
     height, width = magnitude.shape
     present = tangent.any(-1)
     alpha = np.minimum(1, (magnitude / fill) ** 2) if fill > 0 else np.ones((height, width))
-    alpha = np.where(present, alpha, 0)
+    alpha = np.where(present, alpha * mask, 0)
     weight = magnitude**2 * alpha
     own = tangent[..., :, None] * tangent[..., None, :]
     sums, weights = np.zeros((height, width, 2, 2)), np.zeros((height, width))
@@ -28,7 +29,7 @@ def flow_fill(tangent: Float64, magnitude: Float64, fill: float) -> Float64:
         sums += 0.5**k * np.einsum("yj,jiab,xi->yxab", along_y, weight[..., None, None] * own, along_x, optimize=True)
         weights += 0.5**k * along_y @ weight @ along_x.T
     filled = tangent.copy()
-    for y, x in np.argwhere(~present | (magnitude < fill)):
+    for y, x in np.argwhere(alpha < 1):
         around = sums[y, x] / weights[y, x] if weights[y, x] > 0 else np.zeros((2, 2))
         values, vectors = np.linalg.eigh(alpha[y, x] * own[y, x] + (1 - alpha[y, x]) * around)
         if values[1] - values[0] > 1e-6:

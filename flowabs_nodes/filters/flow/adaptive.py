@@ -34,12 +34,15 @@ def radii(radius: float) -> list[float]:
     return sizes
 
 
-def kernel_choice(code: Array, radius: float) -> npt.NDArray[np.uint8]:
+def kernel_choice(code: Array, radius: float, mask: Array | None = None) -> npt.NDArray[np.uint8]:
     """Return which of ``radii(radius)`` each pixel takes: (H, W) uint8, 0 for the full radius.
 
-    ``code``, (H, W) or (H, W, 3), is the picture before any blur: blurred noise looks like texture.
+    ``code``, (H, W) or (H, W, 3), is the picture before any blur: blurred noise looks like texture. Magnitudes are
+    multiplied by ``mask``, (H, W), if there is one.
     """
     tangent, magnitude = gradient(code)
+    if mask is not None:
+        magnitude = magnitude * mask
     _, exponent = np.frexp(magnitude.max())
     weight = np.square(np.ldexp(magnitude, -exponent))  # at most 1: no number overflows, and the scale loses no bit
     c = weight * (tangent[..., 0] ** 2 - tangent[..., 1] ** 2)

@@ -34,6 +34,7 @@ def etf(
     gradient_reference: str | float = "max",
     fill: float | None = 0.0,
     adaptive: bool = False,
+    mask: npt.ArrayLike | None = None,
 ) -> Array:
     """Return the edge tangent flow, eqs. 1-5: a smooth field of tangents that keeps the directions of strong edges.
 
@@ -62,6 +63,11 @@ def etf(
     adaptive
         Whether pixels in texture smaller than the kernel take a kernel of half the radius, a quarter and so on, down to
         2.5 pixels (see :mod:`~flowabs_nodes.filters.flow.adaptive`).
+    mask
+        How much each pixel counts, (H, W), 0 to 1; None is 1 everywhere. Its gradient, and its weight in eq. 1 and in
+        the fill, are multiplied by the mask. So a pixel at 0 has no gradient of its own and turns no tangent around it;
+        like other holes it is filled from its surroundings. Percentiles of ``gradient_reference`` leave it out. The
+        gradient of a pixel beside the mask's edge still sees what lies beyond it.
 
     Returns
     -------
@@ -74,7 +80,7 @@ def etf(
         For another shape or dtype, pixels that are not finite, or a parameter out of range.
     """
     return etf_and_reference(
-        code, radius, iterations, kernel, pre_blur, gradient_reference, fill=fill, adaptive=adaptive
+        code, radius, iterations, kernel, pre_blur, gradient_reference, fill=fill, adaptive=adaptive, mask=mask
     )[0]
 
 
@@ -88,6 +94,7 @@ def etf_and_reference(
     *,
     fill: float | None,
     adaptive: bool,
+    mask: npt.ArrayLike | None = None,
 ) -> tuple[Array, float]:
     """Return :func:`etf`, and the reference it used: the gradient of full strength, in code values per pixel."""
     code = validate.plane_or_planes("code", code)
@@ -98,15 +105,18 @@ def etf_and_reference(
     gradient.check_reference(gradient_reference)
     fill = None if fill is None else validate.number("fill", fill, min=0)
     adaptive = validate.flag("adaptive", adaptive)
+    counts = None if mask is None else validate.matte("mask", mask, code.shape)
 
     measured = gradient.measured(code, pre_blur)
+    if counts is not None:
+        measured = gradient.masked(measured, counts)
     tangent, magnitude = measured.gradient
-    if fill is not None and not (fill == 0 and measured.everywhere):
-        tangent = flow_fill(tangent, magnitude, fill, measured.largest)
-    reference = gradient.reference(measured, gradient_reference)
+    if fill is not None and not (fill == 0 and measured.everywhere and counts is None):
+        tangent = flow_fill(tangent, magnitude, fill, measured.largest, counts)
+    reference = gradient.reference(measured, gradient_reference, counts)
     if iterations == 0 or radius <= 1:
         return tangent, reference
     sizes = radii(radius) if adaptive else [radius]
-    choice = kernel_choice(code, radius).astype(np.int32) if len(sizes) > 1 else None
-    flow = smooth(tangent, magnitude, reference, iterations, footprint_passes(kernel, sizes, *magnitude.shape), choice)
-    return flow, reference
+    choice = kernel_choice(code, radius, counts).astype(np.int32) if len(sizes) > 1 else None
+    passes = footprint_passes(kernel, sizes, *magnitude.shape)
+    return smooth(tangent, magnitude, reference, iterations, passes, choice, counts), reference

@@ -42,7 +42,13 @@ HALO = 64  # pixels: more iterations than fit into such a halo are done in sever
 
 
 def smooth(
-    tangent: Array, magnitude: Array, reference: float, iterations: int, passes: Passes, choice: Int32 | None = None
+    tangent: Array,
+    magnitude: Array,
+    reference: float,
+    iterations: int,
+    passes: Passes,
+    choice: Int32 | None = None,
+    mask: Array | None = None,
 ) -> Array:
     """Smooth a field of tangents ``iterations`` times by eq. 1 (section 2.3).
 
@@ -60,6 +66,8 @@ def smooth(
         The footprints of an iteration.
     choice
         (H, W) int32, which size of footprint of ``passes`` each pixel takes; None if there is one size.
+    mask
+        (H, W), 0 to 1, what the weight of each pixel in the sums is multiplied by; None is 1 everywhere.
 
     Returns
     -------
@@ -74,15 +82,18 @@ def smooth(
     if width < LANES:  # beside the picture there are no tangents
         beside = [(0, 0), (0, LANES - width)]
         tangent, magnitude = np.pad(tangent, [*beside, (0, 0)]), np.pad(magnitude, beside)
+        mask = None if mask is None else np.pad(mask, beside)
     columns = magnitude.shape[1]
     # Next to no reference gives ĝ = 1 wherever there is a gradient, and none gives ĝ = 0.
     inverse = np.float32(min(1 / reference, float(np.finfo(np.float32).max)) if reference > 0 else 0)
-    fixed = fixed_point(passes.pixels)
+    weights = np.empty(0, np.float32) if mask is None else mask.reshape(-1)
+    fixed = fixed_point(passes.pixels, fractions=mask is not None)
     at_once = max(1, int(HALO // max(1, passes.reach.sum(axis=0).max())))
     smoothed = np.empty_like(tangent)
     while iterations > 0:
         now = min(iterations, at_once)
-        field = Field(tangent.reshape(-1), magnitude.reshape(-1), inverse, choice.reshape(-1), sizes, height, columns)
+        strength = magnitude.reshape(-1)
+        field = Field(tangent.reshape(-1), strength, weights, inverse, choice.reshape(-1), sizes, height, columns)
         halos = halos_of(passes, now)
         tiles = tiles_of(height, columns, max(TILE_COLUMNS, TILE_TO_HALO * int(halos[0, 0])))
         plan = plan_of(passes, tiles, halos)

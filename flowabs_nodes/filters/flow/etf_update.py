@@ -7,7 +7,8 @@ With N(y) = t(y) t(y)^T a pass computes, with sums over the pixels y of the foot
 
 A symmetric 2 x 2 matrix N is given by its trace N.xx + N.yy, here |t|^2, and its *double angle* c = N.xx - N.yy =
 t.x^2 - t.y^2 and s = 2 N.xy = 2 t.x t.y. So up to six planes of *terms* are summed: c, ĝc, s, ĝs, |t|^2 and ĝ|t|^2, as
-whole numbers in fixed point. The last two are the same in every iteration. Beyond the picture the terms are 0.
+whole numbers in fixed point. The last two are the same in every iteration. Beyond the picture the terms are 0. A mask
+multiplies all terms of a pixel.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from flowabs_nodes.filters.flow.footprint_sums import PLANES, ROWS
 from flowabs_nodes.filters.flow.line_buffers import Layout, LineBuffers, tangents_at, terms_at, trace_at
 from flowabs_nodes.simd.avx512 import approximate_rsqrt
 from flowabs_nodes.simd.jit import inlined, kernel
-from flowabs_nodes.simd.lanes import LANES, bits_of, minimum, select, splat_floats, to_floats
+from flowabs_nodes.simd.lanes import LANES, Floats, bits_of, minimum, select, splat_floats, to_floats
 from flowabs_nodes.simd.memory import load, load_pairs, prefetch, prefetch_for_write, store, store_pairs
 
 
@@ -30,6 +31,7 @@ class Field(NamedTuple):
 
     tangent: Array  # (H, W, 2)
     magnitude: Array  # (H, W), |g|
+    mask: Array  # (H, W), what the weight of each pixel is multiplied by; empty where that is 1
     inverse: np.float32  # 1 / reference: ĝ = min(|g| * inverse, 1)
     choice: Int32  # (H, W), which size of footprint each pixel takes; not read if there is one size
     sizes: int
@@ -67,17 +69,21 @@ class Block(NamedTuple):
     origin: int  # column of the line buffers that is column 0 of the picture
 
 
-def fixed_point(pixels: int) -> FixedPoint:
-    """Return the finest fixed point in which a sum over ``pixels`` pixels fits into int32."""
+def fixed_point(pixels: int, fractions: bool = False) -> FixedPoint:
+    """Return the finest fixed point in which a sum over ``pixels`` pixels fits into int32.
+
+    ``fractions``: whether |t|^2 may lie between 0 and 1, because of a mask; it then has a term of its own.
+    """
     bits = pixels.bit_length()
     one, below = min(20, 30 - bits), min(20, 31 - 2 * bits)
-    return FixedPoint(np.float32(2.0**one), bits + below if below >= 15 else 0, np.float32(2.0 ** max(below, 0)))
+    packed = below >= 15 and not fractions
+    return FixedPoint(np.float32(2.0**one), bits + below if packed else 0, np.float32(2.0 ** max(below, 0)))
 
 
 @kernel
 def begin(block: Block, field: Field, fixed: FixedPoint, terms: Int32, layout: Layout) -> None:
     """Write the terms that the first pass sums: those of the gradient's tangents."""
-    tangent, magnitude, width = field.tangent, field.magnitude, field.width
+    tangent, magnitude, mask, width = field.tangent, field.magnitude, field.mask, field.width
     for y in range(block.top, block.bottom):
         into = block.origin + terms_at(layout, 0, y)
         for x0 in range(block.left, block.right, LANES):
@@ -89,6 +95,8 @@ def begin(block: Block, field: Field, fixed: FixedPoint, terms: Int32, layout: L
             tx, ty = load_pairs(tangent, 2 * i)
             g = _strength(magnitude, i, field.inverse)
             _store_terms(tx, ty, g, True, fixed, terms, into + x, layout.columns)
+            if mask.size > 0:
+                _weigh_terms(load(mask, i), True, terms, into + x, layout.columns)
 
 
 @kernel
@@ -107,7 +115,7 @@ def turn_tangents(
     """
     # Inlined functions below take no tuples of arrays: numba would count references to the arrays at every call.
     terms, all_sums, tangents, trace = buffers
-    tangent, magnitude, inverse, choice, sizes, _, width = field
+    tangent, magnitude, mask, inverse, choice, sizes, _, width = field
     p, kind, kinds, steps = step
     columns, o = layout.columns, block.origin
     plane = ROWS * columns
@@ -148,6 +156,8 @@ def turn_tangents(
                 store(tangents, after + x, tx)
                 store(tangents, after + columns + x, ty)
                 _store_terms(tx, ty, g, p + 1 < kinds, fixed, terms, into + x, columns)
+                if mask.size > 0:
+                    _weigh_terms(load(mask, i), p + 1 < kinds, terms, into + x, columns)
 
 
 @inlined
@@ -174,6 +184,14 @@ def _store_terms(tx: Any, ty: Any, g: Any, trace: bool, fixed: FixedPoint, terms
         else:
             store(terms, i + 4 * columns, _rounded(select(there, splat_floats(fixed.one), 0.0)))
             store(terms, i + 5 * columns, _rounded(select(there, g * fixed.one, 0.0)))
+
+
+@inlined
+def _weigh_terms(weight: Floats, trace: bool, terms: Int32, i: int, columns: int) -> None:
+    """Multiply the terms that :func:`_store_terms` has written, each in a plane of its own, by a weight from 0 to 1."""
+    for plane in range(6 if trace else 4):
+        at = i + plane * columns
+        store(terms, at, _rounded(to_floats(load(terms, at)) * weight))
 
 
 @inlined

@@ -34,14 +34,16 @@ from flowabs_nodes.filters.flow.gaussian_pyramid import (
 from flowabs_nodes.filters.flow.gradient import half_angle
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined, kernel
-from flowabs_nodes.simd.lanes import LANES, Floats, any_lane, minimum, select
+from flowabs_nodes.simd.lanes import LANES, Floats, any_lane, minimum, select, splat_floats
 from flowabs_nodes.simd.memory import load, load_pairs, store, store_pairs
 
 _A0, _A1, _A2, _A3 = (math.comb(6, 3 + j) / 2**6 for j in range(4))  # the finest scale: a binomial filter of sigma 1.2
 _ISOTROPIC = 1e-6  # a tensor of trace 1 whose double angle is shorter than this has no direction, only rounding
 
 
-def flow_fill(tangent: Array, magnitude: Array, fill: float, largest: float | None = None) -> Array:
+def flow_fill(
+    tangent: Array, magnitude: Array, fill: float, largest: float | None = None, mask: Array | None = None
+) -> Array:
     """Return a unit tangent for every pixel, weak ones drawn towards the tensor average of their surroundings.
 
     Parameters
@@ -55,6 +57,8 @@ def flow_fill(tangent: Array, magnitude: Array, fill: float, largest: float | No
         tangents. Where the surroundings have no direction either, a zero tangent becomes (1, 0).
     largest
         The largest magnitude, if it is known.
+    mask
+        (H, W), 0 to 1, what the certainty of each pixel is multiplied by; None is 1 everywhere.
 
     Returns
     -------
@@ -64,10 +68,12 @@ def flow_fill(tangent: Array, magnitude: Array, fill: float, largest: float | No
     beside = max(0, LANES - magnitude.shape[1])  # columns of zeros, which count as little as what lies outside
     if beside:
         tangent, magnitude = np.pad(tangent, [(0, 0), (0, beside), (0, 0)]), np.pad(magnitude, [(0, 0), (0, beside)])
+        mask = None if mask is None else np.pad(mask, [(0, 0), (0, beside)])
     height, width = magnitude.shape
     # Scaled magnitudes are below 1, so no weight overflows; 2^-63 of the largest magnitude or less counts as none.
     scale = math.ldexp(1, min(-math.frexp(largest)[1], 126))
-    pixels = Pixels(tangent.reshape(-1), magnitude.reshape(-1), scale, height, width)
+    weights = np.empty(0, np.float32) if mask is None else mask.reshape(-1)
+    pixels = Pixels(tangent.reshape(-1), magnitude.reshape(-1), weights, scale, height, width)
     certain = np.float32(min(fill * scale, 1e18) ** 2)
     level, filled = first_level(3, height, width), np.empty_like(tangent)
     over_rows(_push_pixels, level.shape[1], pixels, certain, level, least=32)
@@ -81,6 +87,7 @@ class Pixels(NamedTuple):
 
     tangent: Array  # (H, W, 2), flattened
     magnitude: Array  # (H, W), flattened
+    mask: Array  # (H, W), flattened: what certainties are multiplied by; empty where that is 1
     scale: float  # factor of magnitudes
     height: int
     width: int
@@ -94,7 +101,7 @@ def _inverse(certain: float) -> float:
 
 @inlined
 def _weigh_row(
-    tangent: Array, magnitude: Array, scale: float, certain: float, first: int, width: int, weighed: Array
+    tangent: Array, magnitude: Array, mask: Array, scale: float, certain: float, first: int, width: int, weighed: Array
 ) -> None:
     """Write c, s and W of the row that begins with pixel ``first`` into three rows, from position MARGIN on.
 
@@ -108,6 +115,8 @@ def _weigh_row(
         m = load(magnitude, first + x) * scale
         xx, yy, power = tx * tx, ty * ty, m * m
         weight = select(xx + yy > 0.0, power * minimum(power * inverse, 1.0), 0.0)
+        if mask.size > 0:
+            weight = weight * load(mask, first + x)
         store(weighed[0], MARGIN + x, weight * (xx - yy))
         store(weighed[1], MARGIN + x, weight * (2.0 * tx * ty))
         store(weighed[2], MARGIN + x, weight)
@@ -116,14 +125,14 @@ def _weigh_row(
 @kernel
 def _push_pixels(first: int, last: int, pixels: Pixels, certain: float, level: Array) -> None:
     """Write the rows ``first`` .. ``last`` - 1 of the first level; ``certain`` is fill^2 in the scale of ``pixels``."""
-    tangent, magnitude, scale, height, width = pixels
+    tangent, magnitude, mask, scale, height, width = pixels
     stride = level.shape[2]
     weighed = np.zeros((3, 2 * stride + 2 * LANES), np.float32)
     even, odd = np.zeros(stride + 2 * LANES, np.float32), np.zeros(stride + 2 * LANES, np.float32)
     ring = np.zeros((RING, 3, stride), np.float32)
     for y in range(2 * (first - MARGIN) - MARGIN, 2 * (last - 1 - MARGIN) + MARGIN + 1):
         if 0 <= y < height:
-            _weigh_row(tangent, magnitude, scale, certain, y * width, width, weighed)
+            _weigh_row(tangent, magnitude, mask, scale, certain, y * width, width, weighed)
             for p in range(3):
                 halve_row(weighed[p], MARGIN + width, even, odd, ring[y % RING, p])
         else:
@@ -141,19 +150,19 @@ def _pull_pixels(first: int, last: int, pixels: Pixels, certain: float, level: A
     ``certain`` is the square of the scaled magnitude from which a tangent stays as it is; 0 fills only zero tangents.
     ``level`` holds the sums over all but the finest scale.
     """
-    tangent, magnitude, scale, height, width = pixels
+    tangent, magnitude, mask, scale, height, width = pixels
     inverse, size = _inverse(certain), level.shape[2] + 2 * LANES
     smoothed, coarse = np.zeros(size, np.float32), np.empty((3, 2 * size), np.float32)
     weighed = np.zeros((3, 2 * size), np.float32)
     ring = np.zeros((8, 3, 2 * size), np.float32)
     ready = first - 3  # the first row that is not in the ring yet
     for y in range(first, last):
-        if certain == 0 and not _any_missing(tangent, y * width, width):
+        if certain == 0 and mask.size == 0 and not _any_missing(tangent, y * width, width):
             filled[2 * y * width : 2 * (y + 1) * width] = tangent[2 * y * width : 2 * (y + 1) * width]
             continue
         for row in range(max(ready, y - 3), y + 4):
             if 0 <= row < height:
-                _weigh_row(tangent, magnitude, scale, certain, row * width, width, weighed)
+                _weigh_row(tangent, magnitude, mask, scale, certain, row * width, width, weighed)
                 for p in range(3):
                     _smooth_row(weighed[p], width, ring[row % 8, p])
             else:
@@ -169,10 +178,12 @@ def _pull_pixels(first: int, last: int, pixels: Pixels, certain: float, level: A
             tx, ty = load_pairs(tangent, 2 * i)
             m = load(magnitude, i) * scale
             power = m * m
-            missing = tx * tx + ty * ty == 0.0
-            weak = missing | (power < certain)
+            missing, sure = tx * tx + ty * ty == 0.0, splat_floats(1.0)
+            if mask.size > 0:
+                sure = load(mask, i)
+            weak = missing | (power < certain) | (sure < 1.0)
             if any_lane(weak):
-                alpha = select(missing, 0.0, minimum(power * inverse, 1.0))
+                alpha = select(missing, 0.0, minimum(power * inverse, 1.0) * sure)
                 weight = _finest(ring, 2, y, x) + DECAY * load(coarse[2], MARGIN + x)
                 rest = select(weight > 0.0, (1.0 - alpha) / weight, 0.0)
                 c = _finest(ring, 0, y, x) + DECAY * load(coarse[0], MARGIN + x)

@@ -80,7 +80,19 @@ def measured(code: Array, pre_blur: float = 0.0) -> Measured:
     return Measured(made, max(largest for largest, _ in bands), all(everywhere for _, everywhere in bands))
 
 
-def measure_reference(code: npt.ArrayLike, gradient_reference: str | float, pre_blur: float = 0.0) -> float:
+def masked(made: Measured, mask: Array) -> Measured:
+    """Return a gradient whose magnitudes are multiplied by ``mask``, (H, W); where it is 0 there is no tangent."""
+    tangent = np.where(mask[..., np.newaxis] > 0, made.gradient.tangent, np.float32(0))
+    magnitude = made.gradient.magnitude * mask
+    return Measured(Gradient(tangent, magnitude), float(magnitude.max()), made.everywhere and bool((mask > 0).all()))
+
+
+def measure_reference(
+    code: npt.ArrayLike,
+    gradient_reference: str | float,
+    pre_blur: float = 0.0,
+    mask: npt.ArrayLike | None = None,
+) -> float:
     """Return the number that ``gradient_reference`` comes to on this picture, in code values per pixel.
 
     Parameters
@@ -91,6 +103,9 @@ def measure_reference(code: npt.ArrayLike, gradient_reference: str | float, pre_
         "max", a percentile over the picture such as "p99.5", or a number of at least 0, which is returned as it is.
     pre_blur
         Sigma of a Gaussian blur before the gradient, in pixels.
+    mask
+        What gradients are multiplied by, (H, W), 0 to 1; percentiles are of the pixels where it is above 0. None is 1
+        everywhere.
 
     Raises
     ------
@@ -98,18 +113,26 @@ def measure_reference(code: npt.ArrayLike, gradient_reference: str | float, pre_
         For another shape or dtype, pixels that are not finite, or a reference that is none of these.
     """
     code = validate.plane_or_planes("code", code)
+    mask = None if mask is None else validate.matte("mask", mask, code.shape)
     pre_blur = validate.number("pre_blur", pre_blur, min=0, max=10_000)
     if _percentile(gradient_reference) is None:
         return float(gradient_reference)
-    return reference(measured(code, pre_blur), gradient_reference)
+    made = measured(code, pre_blur)
+    return reference(made if mask is None else masked(made, mask), gradient_reference, mask)
 
 
-def reference(made: Measured, gradient_reference: str | float) -> float:
-    """Return the number that a valid ``gradient_reference`` comes to on this gradient, in code values per pixel."""
+def reference(made: Measured, gradient_reference: str | float, mask: Array | None = None) -> float:
+    """Return the number that a valid ``gradient_reference`` comes to on this gradient, in code values per pixel.
+
+    Percentiles are of the pixels where ``mask`` is above 0.
+    """
     percent = _percentile(gradient_reference)
     if percent is None:
         return float(gradient_reference)
-    return made.largest if percent == 100 else float(np.percentile(made.gradient.magnitude, percent))
+    if percent == 100 or made.largest == 0:
+        return made.largest
+    magnitude = made.gradient.magnitude
+    return float(np.percentile(magnitude if mask is None else magnitude[mask > 0], percent))
 
 
 def check_reference(gradient_reference: str | float) -> None:

@@ -24,6 +24,8 @@ from flowabs_nodes.simd.pixelwise import as_picture, as_run, empty_run, first_pi
 _COLOR_ALONE, _LIGHTNESS_ALONE = 0.1, 0.3
 # How light red (a) and yellow (b) count as where lightness decides nothing.
 _DARK_A, _DARK_B = 0.4, 0.7
+# In code values: from the first of these m_c on a side is dark unless it is clearly the light one, fully at the second.
+_DARK_IN_DOUBT, _DARK_UNLESS_LIGHT = 1.0, 2.0
 
 
 def fdog(
@@ -65,7 +67,10 @@ def fdog(
     color_sign
         Whether edges of equal lightness are drawn: where |d_L| is small beside m_c = w sqrt(d_a^2 + d_b^2), the dark
         side of an edge is that of less 0.4 a + 0.7 b. With t = smoothstep(0.1, 0.3, |d_L| / m_c), 1 where m_c is 0,
-        H = M (t tanh(2 d_L) + (1 - t) tanh(2 w (0.4 d_a + 0.7 d_b))). Counts with ``color_weight``.
+        the sign is s = t tanh(2 d_L) + (1 - t) tanh(2 w (0.4 d_a + 0.7 d_b)), and H = M s. A continuous sign that is
+        opposite on the two sides of every edge must be 0 at some hue. So where colour alone makes an edge, both sides
+        of it are dark rather than none: with q = smoothstep(1, 2, m_c), H = M ((1 - q) s + q (2 smoothstep(0, 1, s) -
+        1)). Counts with ``color_weight``.
 
     Returns
     -------
@@ -166,10 +171,19 @@ def _join_channels(
         sign = _tanh_of_twice(d)
         if is_color and color_sign:
             chroma, slight = sqrt(minimum(da * da + db * db, 3e38)), absolute(d)
-            t = minimum(maximum((slight / chroma - _COLOR_ALONE) / (_LIGHTNESS_ALONE - _COLOR_ALONE), 0.0), 1.0)
-            t = select(chroma > 0.0, t * t * (3.0 - 2.0 * t), 1.0)
+            t = _smoothstep((slight / chroma - _COLOR_ALONE) / (_LIGHTNESS_ALONE - _COLOR_ALONE))
+            t = select(chroma > 0.0, t, 1.0)
             sign = t * sign + (1.0 - t) * _tanh_of_twice(_DARK_A * da + _DARK_B * db)
+            q = _smoothstep((chroma - _DARK_IN_DOUBT) / (_DARK_UNLESS_LIGHT - _DARK_IN_DOUBT))
+            sign = sign + q * ((2.0 * _smoothstep(sign) - 1.0) - sign)
         store(joined, i, sign * sqrt(minimum(d * d + da * da + db * db, 3e38)))
+
+
+@inlined
+def _smoothstep(x: Floats) -> Floats:
+    """Return smoothstep(0, 1, x): 3 x^2 - 2 x^3 between 0 and 1, constant beyond."""
+    x = minimum(maximum(x, 0.0), 1.0)
+    return x * x * (3.0 - 2.0 * x)
 
 
 @inlined

@@ -3,7 +3,7 @@ import pytest
 
 from flowabs_nodes.choices import SAMPLINGS
 from flowabs_nodes.errors import ArgumentError
-from flowabs_nodes.filters import etf, fdog, threshold
+from flowabs_nodes.filters import etf, fdog, fdog_iterative, threshold
 from tests.filters.flows import THIN, cases, large, random_flow
 from tests.naive import fdog as naive
 
@@ -142,6 +142,53 @@ def test_a_thin_shape_of_equal_lightness_is_outlined():
     assert np.abs(r[ink] - 18).max() < 4
     around = np.degrees(np.arctan2(y - 30, x - 30))[ink]
     assert np.unique(np.round(around / 10)).size >= 36
+
+
+def a_disc(chroma, hue, lightness=0.0):
+    """A disc of some hue before grey, anti-aliased: code values, its distance from each pixel, its flow."""
+    y, x = np.mgrid[:96, :96] - 47.5
+    r = np.hypot(x, y)
+    cover = np.clip(30.5 - r, 0, 1)[..., None]
+    angle = np.radians(hue)
+    code = [127, 0, 0] + cover * [lightness, chroma * np.cos(angle), chroma * np.sin(angle)]
+    return code, np.abs(r - 30), np.stack([-y, x], -1) / r[..., None]
+
+
+def ink_at_the_edge(chroma, hue, lightness=0.0, **options):
+    """Return pixels of ink for each pixel of the disc's edge, drawn as the shipped graphs do."""
+    code, distance, flow = a_disc(chroma, hue, lightness)
+    options = {"contrast": 1.0, "softness": 4.0, "iterations": 2, "pre_blur": 1.0, "color_weight": 0.5} | options
+    lines, _ = fdog_iterative(code, flow, rho=1.0, color_sign=True, **options)
+    assert (lines[distance > 8] == 1).all()
+    return (1 - lines).sum() / (2 * np.pi * 30)
+
+
+@pytest.mark.parametrize("chroma", [64, 100, 150])
+def test_no_hue_of_equal_lightness_is_blind(chroma):
+    blind = np.degrees(np.arctan2(0.4, -0.7))  # here neither side of the edge has less 0.4 a + 0.7 b
+    ink = [ink_at_the_edge(chroma, hue) for hue in [*range(0, 360, 10), blind, blind + 180]]
+    assert min(ink) > 0.2
+    assert max(ink) < 10 * min(ink)
+
+
+@pytest.mark.parametrize("hue", [60, 150, 240, 330])
+def test_nor_is_an_edge_where_lightness_and_colour_disagree(hue):
+    assert min(ink_at_the_edge(100, hue, step) for step in range(-30, 31, 2)) > 0.3
+
+
+def test_ink_changes_steadily_with_the_hue():
+    ink = np.array([ink_at_the_edge(100, hue) for hue in range(140, 161)])
+    assert np.abs(np.diff(ink)).max() < 0.5
+
+
+@pytest.mark.parametrize("sigma", [1, 2, 4])
+def test_noise_makes_no_ink_of_colour(sigma):
+    """Noise stays below the strength from which both sides of an edge may be dark: H is that of the sign alone."""
+    code = [127, 0, 0] + sigma * np.random.default_rng(1).standard_normal((160, 240, 3))
+    lines, _ = fdog_iterative(
+        code, etf(code, fill=4.0), rho=1, contrast=1, softness=4, color_weight=0.5, color_sign=True, pre_blur=1
+    )
+    assert (lines == 1).all()
 
 
 @pytest.mark.parametrize("name", ["photo", "noise"])
