@@ -18,9 +18,12 @@ def check(graph: str, as_json: bool) -> int:
     GRAPH is a file if it has a "/" or ends in .json, else a graph that comes with flowabs. Warnings alone exit 0.
     """
     from flowabs_nodes import graph as graphs
+    from flowabs_nodes.engine.display_names import wrong_views
 
     warn_of_missing_nodes()
     problems = graphs.check(graph)
+    if all(problem.warning for problem in problems):
+        problems = [*problems, *wrong_views(graphs.load(graph), None)]
     errors = sum(not problem.warning for problem in problems)
     if as_json:
         click.echo(json.dumps({"ok": not errors, "problems": [problem.to_dict() for problem in problems]}, indent=2))

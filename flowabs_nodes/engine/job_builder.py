@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 
 from flowabs_nodes.color.config import config
+from flowabs_nodes.engine.display_names import refuse_wrong_views
 from flowabs_nodes.engine.frame_numbers import frame_numbers
 from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.options import PathLike, RunOptions
@@ -34,6 +35,8 @@ def build_job(graph: Graph, options: RunOptions) -> tuple[Job, tuple[int, ...]]:
         The command cannot be carried out at all; nothing has been written then.
     ColorError
         The OCIO config cannot be read.
+    GraphError
+        The config has no display or view of a name that the graph gives.
     """
     settings = options.settings
     if settings.ocio is not None:
@@ -45,6 +48,7 @@ def build_job(graph: Graph, options: RunOptions) -> tuple[Job, tuple[int, ...]]:
         hint = "graph.run(...) gives its images in Python"
         raise CommandError("the graph has no write node", code="no-write", hint=hint)
     steps = make_plan(graph, 1, sinks=writes)
+    refuse_wrong_views(graph, settings.ocio, {step.unit.node for step in steps})
     reads = [step.unit.node for step in steps if file_role(graph, step.unit.node) == "input"]
     with _as_command_errors():
         inputs = [Sequence.to_read(file_of(graph, name, values[name])) for name in reads]

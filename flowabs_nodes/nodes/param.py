@@ -60,7 +60,9 @@ class Param:
     scales: Whole = 0
     role: Literal["", "input", "output"] = ""  # of a file
     pictures: Flag = False  # of a file to read: it is of a format in flowabs_nodes.io.formats, which is checked first
+    of_config: Literal["", "display", "view"] = ""  # a text that names one of the OCIO config, checked before a run
     in_key: Flag = True  # False: does not change the picture, so not the key either (a written file's path)
+    later: Flag = False  # came when files had keys without it: at its default it is in no key, so that they stay valid
     schema: Mapping[str, Any] = field(default_factory=dict, hash=False)  # custom: its JSON Schema
     parse: Callable[[Any], str | None] | None = None  # custom: what is wrong with a value, or None
     thin_below: Number | None = None  # scaled to less pixels than this, what is drawn depends on the picture's size
@@ -145,10 +147,22 @@ class Param:
         return Param(name, "enum", default, help, choices=choices, in_key=in_key, **panel)
 
     @staticmethod
-    def string(name: str, default: str, *, examples: tuple[str, ...] = (), help: str, **panel: Unpack[Panel]) -> Param:
-        """Declare a free text; ``examples`` of it are for editors, and for tests."""
+    def string(
+        name: str,
+        default: str,
+        *,
+        examples: tuple[str, ...] = (),
+        of_config: Literal["", "display", "view"] = "",
+        later: Flag = False,
+        help: str,
+        **panel: Unpack[Panel],
+    ) -> Param:
+        """Declare a free text; ``examples`` of it are for editors, and for tests.
+
+        ``of_config`` says that it names a display or a view of the OCIO config.
+        """
         schema = {"examples": list(examples)} if examples else {}
-        return Param(name, "string", default, help, schema=schema, **panel)
+        return Param(name, "string", default, help, schema=schema, of_config=of_config, later=later, **panel)
 
     @staticmethod
     def color(name: str, default: tuple[Number, Number, Number], *, help: str, **panel: Unpack[Panel]) -> Param:
