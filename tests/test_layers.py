@@ -18,7 +18,7 @@ FLOORS = (
     ("color", "filters"),
     ("image", "image_convert", "image_parts", "image_state", "encodings", "port_types"),
     ("io",),
-    ("finishing",),
+    ("finishing", "looking"),
     ("nodes",),
     ("graph",),
     ("engine",),

@@ -64,7 +64,12 @@ def _takes_run_options(command: click.Command) -> click.Command:
 @click.argument("graph")
 @click.option("--json", "as_json", is_flag=True, help="One event a line on stdout.")
 @click.option("--profile", is_flag=True, help="Show the seconds that each node took.")
-def run(graph: str, as_json: bool, profile: bool, **options: Any) -> int:
+@click.option(
+    "--view",
+    metavar="NODE[.OUTPUT]",
+    help="Look at a node on the first frame: -o names a PNG or TIFF, else the terminal shows it. Nothing else is made.",
+)
+def run(graph: str, as_json: bool, profile: bool, view: str | None, **options: Any) -> int:
     """Run a GRAPH over frames: EXR in, EXR out.
 
     GRAPH is a file if it has a "/" or ends in .json, else a graph that comes with flowabs (see flowabs graphs).
@@ -78,6 +83,13 @@ def run(graph: str, as_json: bool, profile: bool, **options: Any) -> int:
 
     kernel_path()  # what is wrong with FLOWABS_SIMD is wrong for every frame
     warn_of_missing_nodes()
+    if view is not None:
+        from flowabs_nodes.cli.view import view_node
+
+        if profile:
+            raise click.UsageError("--profile is of a whole run: it does not go with --view")
+        with compiling_ahead(graph, options["set"]):
+            return view_node(graph, view, RunOptions(**options), as_json=as_json)
     with (
         (JsonLines if as_json else Bar if on_a_terminal() else Lines)() as show,
         compiling_ahead(graph, options["set"]),

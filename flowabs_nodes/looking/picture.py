@@ -1,0 +1,60 @@
+"""Make a picture to look at of an image, by its port type."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import OpenImageIO as oiio
+
+from flowabs_nodes.color import ocio as named_spaces
+from flowabs_nodes.image import Image
+from flowabs_nodes.looking.color import look_at_color
+from flowabs_nodes.looking.data import look_at_data
+from flowabs_nodes.looking.depth import look_at_depth
+from flowabs_nodes.looking.flow import look_at_flow
+from flowabs_nodes.looking.grey import look_at_grey
+from flowabs_nodes.looking.ids import look_at_ids
+from flowabs_nodes.looking.look import Look
+from flowabs_nodes.looking.motion import look_at_motion
+from flowabs_nodes.looking.normal import look_at_normal
+
+#: What is looked at as it stands; a type that is in no list here is looked at as data.
+_LOOKS: dict[str, Callable[[Image], Look]] = {
+    "mono": look_at_grey,
+    "matte": look_at_grey,
+    "flow": look_at_flow,
+    "depth": look_at_depth,
+    "normal": look_at_normal,
+    "motion": look_at_motion,
+    "id": look_at_ids,
+}
+
+
+def picture_of(image: Image, ocio: str | None = None) -> tuple[Image, str]:
+    """Return a picture of an image of any type, and a sentence that says how it shows the image's numbers.
+
+    The picture is a color image of three channels on the same windows: the light of a screen that shows it, white 1.
+    Encoded as sRGB, as a PNG is by ``write``, it is what the screen is sent. ``ocio`` is the config whose default
+    display and view colour is seen through (a path, or "ocio://..."), None the built-in one.
+
+    Raises
+    ------
+    ColorError
+        The config cannot be read or used.
+    """
+    look = look_at_color(image, ocio) if image.type == "color" else _LOOKS.get(image.type, look_at_data)(image)
+    light, space = named_spaces.linearize(look.codes.clip(0, 1), look.encoding)
+    source = image.spec
+    spec = oiio.ImageSpec(source.width, source.height, 3, "float")  # the plate's tags are not true of the picture
+    spec.x, spec.y = source.x, source.y
+    spec.full_x, spec.full_y = source.full_x, source.full_y
+    spec.full_width, spec.full_height = source.full_width, source.full_height
+    spec.attribute("PixelAspectRatio", source.get_float_attribute("PixelAspectRatio", 1.0))
+    return Image(light, spec, "color", colorspace=space), look.said + _nonfinite(image)
+
+
+def _nonfinite(image: Image) -> str:
+    """Return how many of an image's numbers are NaN or Inf, as the end of a sentence; empty where none is."""
+    count = 0 if image.pixels.dtype.kind != "f" else int((~np.isfinite(image.pixels)).sum())
+    return f"; {count} NaN or Inf" if count else ""
