@@ -133,7 +133,7 @@ def _described(display: str, view: str, ocio: str | None) -> DisplayView:
     """Return what is known of a display and view that the config has."""
     found = config.config(ocio)
     space = str(found.getDisplayViewColorSpaceName(display, view))
-    if space.lower() in DATA_NAMES:
+    if space.lower() in DATA_NAMES or (hasattr(found, "isData") and found.isData(space)):  # OpenImageIO 3.0 cannot tell
         return DisplayView(display, view, data=True)
     names = [space, *map(str, found.getAliases(space)), display]
     known = (_INTEROP_IDS[name.lower()] for name in names if name.lower() in _INTEROP_IDS)
