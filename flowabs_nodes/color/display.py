@@ -123,9 +123,15 @@ def _chosen(kind: str, name: str, known: list[str], ocio: str | None, of: str = 
         raise ColorError(
             f"the OCIO config {ocio or config.PINNED} has no {kind} {name!r}{of}: {said}",
             code=f"unknown-{kind}",
-            hint=config.hint(name, known),
+            hint=config.hint(name, known) or _part_of(name, known),
         )
     return found
+
+
+def _part_of(name: str, known: list[str]) -> str:
+    """Return a hint with the first name that has ``name`` in it: "sRGB - Display" for "sRGB"; else ""."""
+    longer = next((each for each in known if name.lower() in each.lower()), None)
+    return f"did you mean {longer!r}?" if longer else ""
 
 
 @cache
