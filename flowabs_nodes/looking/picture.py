@@ -2,33 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import OpenImageIO as oiio
 
 from flowabs_nodes.color import ocio as named_spaces
 from flowabs_nodes.image import Image
+from flowabs_nodes.io.formats import load
 from flowabs_nodes.looking.color import look_at_color
-from flowabs_nodes.looking.data import look_at_data
-from flowabs_nodes.looking.depth import look_at_depth
-from flowabs_nodes.looking.flow import look_at_flow
-from flowabs_nodes.looking.grey import look_at_grey
-from flowabs_nodes.looking.ids import look_at_ids
 from flowabs_nodes.looking.look import Look
-from flowabs_nodes.looking.motion import look_at_motion
-from flowabs_nodes.looking.normal import look_at_normal
-
-#: What is looked at as it stands; a type that is in no list here is looked at as data.
-_LOOKS: dict[str, Callable[[Image], Look]] = {
-    "mono": look_at_grey,
-    "matte": look_at_grey,
-    "flow": look_at_flow,
-    "depth": look_at_depth,
-    "normal": look_at_normal,
-    "motion": look_at_motion,
-    "id": look_at_ids,
-}
+from flowabs_nodes.port_types import pixel_type
 
 
 def picture_of(image: Image, ocio: str | None = None) -> tuple[Image, str]:
@@ -43,7 +25,7 @@ def picture_of(image: Image, ocio: str | None = None) -> tuple[Image, str]:
     ColorError
         The config cannot be read or used.
     """
-    look = look_at_color(image, ocio) if image.type == "color" else _LOOKS.get(image.type, look_at_data)(image)
+    look: Look = look_at_color(image, ocio) if image.type == "color" else load(pixel_type(image.type).look)(image)
     light, space = named_spaces.linearize(look.codes.clip(0, 1), look.encoding)
     source = image.spec
     spec = oiio.ImageSpec(source.width, source.height, 3, "float")  # the plate's tags are not true of the picture
