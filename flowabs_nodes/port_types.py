@@ -53,6 +53,9 @@ class PixelType:
         asked for, every bit as it is.
     usual
         The range in which most values lie, for pictures that show or test the type.
+    look
+        "module:function", imported when it is first needed, that makes a picture to look at (``--view``); not asked
+        for of color, which goes through the view transform.
     """
 
     name: str
@@ -68,6 +71,7 @@ class PixelType:
     outside: float = 0.0
     stored: Literal["plate", "float", "read", "exact"] = "exact"
     usual: tuple[float, float] = (0.0, 1.0)
+    look: str = "flowabs_nodes.looking.data:look_at_data"
 
     @property
     def an_image(self) -> str:
@@ -136,6 +140,7 @@ _DECLARED: dict[str, PixelType] = {
             filtered=True,
             stored="plate",
             usual=(-10.0, 30.0),
+            look="flowabs_nodes.looking.grey:look_at_grey",
         ),
         PixelType(
             "matte",
@@ -145,6 +150,7 @@ _DECLARED: dict[str, PixelType] = {
             widens_to=frozenset({"mono", "color"}),
             filtered=True,
             stored="plate",
+            look="flowabs_nodes.looking.grey:look_at_grey",
         ),
         PixelType(
             "flow",
@@ -153,6 +159,7 @@ _DECLARED: dict[str, PixelType] = {
             channels=(("flow.x", "flow.y"),),
             unit=True,
             stored="float",
+            look="flowabs_nodes.looking.flow:look_at_flow",
         ),
         PixelType(
             "depth",
@@ -161,6 +168,7 @@ _DECLARED: dict[str, PixelType] = {
             channels=(("Z",),),
             outside=FAR,
             usual=(1.0, 50.0),
+            look="flowabs_nodes.looking.depth:look_at_depth",
         ),
         PixelType(
             "normal",
@@ -168,6 +176,7 @@ _DECLARED: dict[str, PixelType] = {
             help="unit normals, in the renderer's space",
             channels=(("N.X", "N.Y", "N.Z"),),
             unit=True,
+            look="flowabs_nodes.looking.normal:look_at_normal",
         ),
         PixelType(
             "motion",
@@ -176,6 +185,7 @@ _DECLARED: dict[str, PixelType] = {
             channels=(("motion.X", "motion.Y", "motion.Z", "motion.W"),),
             lengths=("x", "y", "x", "y"),
             usual=(-8.0, 8.0),
+            look="flowabs_nodes.looking.motion:look_at_motion",
         ),
         PixelType(
             "id",
@@ -185,6 +195,7 @@ _DECLARED: dict[str, PixelType] = {
             dtype=np.dtype(np.uint32),
             blends=False,
             usual=(0.0, 4294967296.0),
+            look="flowabs_nodes.looking.ids:look_at_ids",
         ),
         PixelType(
             "data",

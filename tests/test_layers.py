@@ -18,7 +18,7 @@ FLOORS = (
     ("color", "filters"),
     ("image", "array_kind", "image_convert", "image_parts", "image_preview", "image_state", "encodings", "port_types"),
     ("io",),
-    ("finishing", "comp"),
+    ("finishing", "comp", "looking"),
     ("nodes",),
     ("graph",),
     ("engine",),

@@ -43,7 +43,7 @@ def test_there_is_a_function_for_each_graph_that_gives_a_picture():
 def test_it_is_the_graph(drawn, name):
     graph = fa.load_graph(name)
     plate = next(node for node in graph.nodes if graph.nodes[node].declaration.type == "read")
-    (image,) = graph.run(given={plate: Image.from_array(RGB, "sRGB")}).values()
+    image = next(iter(graph.run(given={plate: Image.from_array(RGB, "sRGB")}).values()))
     straight = image.pixels if image.type == "matte" else srgb.encoded(image.pixels.clip(0, 1))
     np.testing.assert_array_equal(drawn[name], np.broadcast_to(np.rint(straight * 255), RGB.shape))
     assert drawn[name].dtype == np.uint8

@@ -24,13 +24,15 @@ def check(graph: str, as_json: bool, ocio: str | None) -> int:
     from flowabs_nodes import graph as graphs
     from flowabs_nodes.color.config import opened
     from flowabs_nodes.engine.color_names import wrong_names
+    from flowabs_nodes.engine.display_names import wrong_views
     from flowabs_nodes.engine.ocio_choice import choose_config
 
     warn_of_missing_nodes()
     options, notes = choose_config(RunOptions(ocio=ocio))
     problems = graphs.check(graph)
     if all(problem.warning for problem in problems):
-        problems = [*problems, *wrong_names(graphs.load(graph), opened(options.ocio))]
+        loaded, config = graphs.load(graph), opened(options.ocio)
+        problems = [*problems, *wrong_names(loaded, config), *wrong_views(loaded, config)]
     errors = sum(not problem.warning for problem in problems)
     if as_json:
         click.echo(json.dumps({"ok": not errors, "problems": [problem.to_dict() for problem in problems]}, indent=2))

@@ -83,11 +83,24 @@ class _RunCommand(click.Command):
 @click.argument("graph", shell_complete=completion.graphs)
 @click.option("--json", "as_json", is_flag=True, help="One event a line on stdout.")
 @click.option("--profile", is_flag=True, help="Show the seconds that each node took; with -v of each frame too.")
+@click.option(
+    "--view",
+    cls=OnceOption,
+    metavar="NODE[.OUTPUT]",
+    help="Look at a node on the first frame: -o names a PNG or TIFF, else the terminal shows it. Nothing else is made.",
+)
 @click.option("-v", "--verbose", is_flag=True, help="Say more: each node, what is read and what is there already.")
 @click.option("-q", "--quiet", is_flag=True, help="Say failures and warnings only.")
 @click.option("--log-file", cls=OnceOption, metavar="FILE", help="Append every line to FILE too, with the time.")
 def run(
-    graph: str, as_json: bool, profile: bool, verbose: bool, quiet: bool, log_file: str | None, **options: Any
+    graph: str,
+    as_json: bool,
+    profile: bool,
+    view: str | None,
+    verbose: bool,
+    quiet: bool,
+    log_file: str | None,
+    **options: Any,
 ) -> int:
     """Run a GRAPH over frames: EXR in, EXR out.
 
@@ -100,7 +113,7 @@ def run(
     from flowabs_nodes.cli.precompile import compiling_ahead
     from flowabs_nodes.cli.progress import JsonLines, Lines, Loudness, on_a_terminal
     from flowabs_nodes.cli.rerun import command_for
-    from flowabs_nodes.cli.views import Views
+    from flowabs_nodes.cli.shows import Shows
     from flowabs_nodes.engine.render_sequence import render_sequence
     from flowabs_nodes.engine.report import Note, note_event
     from flowabs_nodes.simd import compile_hooks
@@ -112,11 +125,19 @@ def run(
     words: tuple[str, ...] = context.meta[_WORDS]
     loudness = Loudness.VERBOSE if verbose else Loudness.QUIET if quiet else Loudness.NORMAL
     again = partial(command_for, words)
-    view = JsonLines if as_json else Bar if on_a_terminal() and not quiet else Lines
+    if view is not None:
+        from flowabs_nodes.cli.view import view_node
+
+        if profile or log_file is not None:
+            raise click.UsageError("--profile and --log-file are of a whole run: they do not go with --view", context)
+        kernel_path()
+        with compiling_ahead(graph, options["set"]):
+            return view_node(graph, view, RunOptions(**options), (JsonLines if as_json else Lines)(loudness, again))
+    kind = JsonLines if as_json else Bar if on_a_terminal() and not quiet else Lines
     logs = []
     if log_file is not None:
         logs = [LogFile(open_log(log_file, graph=graph, root=options["root"]), loudness, again, words)]
-    with Views(view(loudness, again), *logs) as show, compiling_ahead(graph, options["set"]):
+    with Shows(kind(loudness, again), *logs) as show, compiling_ahead(graph, options["set"]):
         kernel_path()  # what is wrong with FLOWABS_SIMD is wrong for every frame
         warn_of_missing_nodes()
         compile_hooks.waiting.append(lambda: show.event(note_event(Note(_COMPILING))))

@@ -9,6 +9,7 @@ from functools import partial
 
 from flowabs_nodes.color.config import opened
 from flowabs_nodes.engine.color_names import wrong_names
+from flowabs_nodes.engine.display_names import wrong_views
 from flowabs_nodes.engine.frame_numbers import frame_numbers
 from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.options import PathLike, RunOptions
@@ -42,11 +43,11 @@ def build_job(graph: Graph, options: RunOptions) -> tuple[Job, tuple[int, ...]]:
     ColorError
         The OCIO config cannot be read.
     GraphError
-        It does not know the name of a colour space.
+        It does not know the name of a colour space, a display or a view.
     """
     settings = options.settings
     config = opened(settings.ocio)
-    graph, further = _set_files(graph, options)
+    graph, further = set_files(graph, options)
     values = graph.values(1)
     writes = sinks(graph)
     if not writes:
@@ -55,41 +56,42 @@ def build_job(graph: Graph, options: RunOptions) -> tuple[Job, tuple[int, ...]]:
     needs = partial(inputs_on_any_frame, graph, params=UnitParams(graph))
     steps = make_plan(graph, 1, sinks=writes, inputs_of=needs)
     refuse_missing_packages(graph, {step.unit.node for step in steps})
-    wrong = wrong_names(graph, config, {step.unit.node for step in steps})
+    used = {step.unit.node for step in steps}
+    wrong = [*wrong_names(graph, config, used), *wrong_views(graph, config, used)]
     if wrong:
         raise GraphError(wrong, file=graph.source or None)
     reads = [step.unit.node for step in steps if file_role(graph, step.unit.node) == "input"]
-    with _as_command_errors():
+    with as_command_errors():
         inputs = [Sequence.to_read(file_of(graph, name, values[name])) for name in reads]
         outputs = {name: (file_of(graph, name, values[name]), *further) for name in writes}
         for sequence in inputs:
             checked(sequence.pattern, settings)
         for sequence in (each for name, each in zip(reads, inputs, strict=True) if reads_pictures(graph, name)):
-            _check_format(sequence)
-        numbers = _frame_numbers(options.frames, inputs)
+            check_format(sequence)
+        numbers = frames_asked_for(options.frames, inputs)
         targets = _output_paths([Sequence(pattern) for patterns in outputs.values() for pattern in patterns], numbers)
         for path in targets:
             checked(path, settings)
-    _refuse_inputs(targets, inputs, numbers)
-    _check_folders(targets)
+    refuse_inputs(targets, inputs, numbers)
+    check_folders(targets)
     return Job(graph.document, outputs, options.for_frames(), _foreign_nodes(graph)), numbers
 
 
 # ---------------------------------------------------------------------- what was asked for
 
 
-def _set_files(graph: Graph, options: RunOptions) -> tuple[Graph, tuple[str, ...]]:
+def set_files(graph: Graph, options: RunOptions) -> tuple[Graph, tuple[str, ...]]:
     """Set the file of the graph's only read and of its only write; return the graph and the further outputs."""
     files = {}
     if options.input is not None:
         files[f"{_only(graph, 'read', '-i')}.file"] = os.fspath(options.input)
-    outputs = _as_list(options.output)
+    outputs = as_list(options.output)
     if outputs:
         files[f"{_only(graph, 'write', '-o')}.file"] = outputs[0]
     return (override(graph, files) if files else graph), tuple(outputs[1:])
 
 
-def _as_list(output: PathLike | Iterable[PathLike] | None) -> list[str]:
+def as_list(output: PathLike | Iterable[PathLike] | None) -> list[str]:
     """Return the names of all outputs that are asked for, be it none, one or several."""
     if output is None:
         return []
@@ -110,7 +112,7 @@ def _only(graph: Graph, type: str, option: str) -> str:
     )
 
 
-def _frame_numbers(frames: str | int | Iterable[int] | None, inputs: list[Sequence]) -> tuple[int, ...]:
+def frames_asked_for(frames: str | int | Iterable[int] | None, inputs: list[Sequence]) -> tuple[int, ...]:
     """Return the numbers of the frames asked for, or else of every frame on disk.
 
     A frame that one input has on disk counts even where another input lacks it, so that its absence is told.
@@ -130,7 +132,7 @@ def _frame_numbers(frames: str | int | Iterable[int] | None, inputs: list[Sequen
 # ---------------------------------------------------------------------- files
 
 
-def _check_format(sequence: Sequence) -> None:
+def check_format(sequence: Sequence) -> None:
     """Raise ReadError where what is to be read can be no picture of the format that its name says.
 
     A single file is looked at: a folder or a device, or a file that begins as one of another format, is a wrong
@@ -162,7 +164,7 @@ def _output_paths(outputs: list[Sequence], numbers: tuple[int, ...]) -> list[str
     return paths
 
 
-def _refuse_inputs(targets: list[str], inputs: list[Sequence], numbers: tuple[int, ...]) -> None:
+def refuse_inputs(targets: list[str], inputs: list[Sequence], numbers: tuple[int, ...]) -> None:
     """Raise CommandError where a file to write is, through any link, a file that any frame may read."""
     sources = {
         os.path.realpath(path)
@@ -185,7 +187,7 @@ def _identity(path: str) -> tuple[int, int] | None:
     return state.st_dev, state.st_ino
 
 
-def _check_folders(targets: list[str]) -> None:
+def check_folders(targets: list[str]) -> None:
     """Raise CommandError where the folder of a file to write, which need not exist yet, cannot be written to."""
     for folder in sorted({os.path.dirname(path) or "." for path in targets}):
         try:
@@ -196,7 +198,7 @@ def _check_folders(targets: list[str]) -> None:
 
 
 @contextmanager
-def _as_command_errors() -> Iterator[None]:
+def as_command_errors() -> Iterator[None]:
     """Raise ReadError and WriteError inside as CommandError: a name that no file can have is a wrong command."""
     try:
         yield

@@ -100,6 +100,7 @@ def node_key(
                 param.name: _exact(params[param.name] if declaration.is_enabled(param.name, params) else param.default)
                 for param in declaration.all_params.values()
                 if param.in_key and param.kind != "file" and param.name in params
+                if not (param.later and params[param.name] == param.default)
             },
             "inputs": dict(inputs),
             "content": content,

@@ -204,12 +204,13 @@ def named_result(graph: Graph, name: str, frame: int) -> Result:
         raise CommandError(f"the graph has no node {node!r}", code="unknown-node", hint=nearest(node, graph.nodes))
     outputs = graph.nodes[node].declaration.all_outputs
     if not outputs:
-        hint = "ask for what goes into it"
+        links = dict.fromkeys(str(link) for link in graph.nodes[node].inputs.values())
+        hint = f"ask for what goes into it: {', '.join(links)}" if links else ""
         raise CommandError(f"node {node!r} only writes, it has no outputs", code="unknown-output", hint=hint)
     if not output:
         output = next(iter(outputs))
     if output not in outputs:
-        raise CommandError(
-            f"node {node!r} has no output {output!r}", code="unknown-output", hint=nearest(output, outputs)
-        )
+        hint = nearest(output, outputs)
+        hint = hint if hint.startswith("known") else f"{hint} known: {', '.join(outputs)}"
+        raise CommandError(f"node {node!r} has no output {output!r}", code="unknown-output", hint=hint)
     return Result(node, output, frame)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from flowabs_nodes import graph as graphs
+from flowabs_nodes.engine.error_boundary import error_boundary
 from flowabs_nodes.engine.evaluate import Evaluation
 from flowabs_nodes.engine.frame_numbers import frame_number
 from flowabs_nodes.engine.frame_windows import FrameWindows
@@ -120,6 +121,38 @@ class RunnableGraph(Graph):
         finally:
             _tell(evaluation.notes, frame, on_event)
         return {name: results[result] for name, result in wanted.items()}
+
+    def view(
+        self,
+        output: str,
+        frame: int = 1,
+        given: Given | None = None,
+        set: Mapping[str, Any] | None = None,
+        scale: float = 1.0,
+        settings: Settings | None = None,
+        on_event: Listener | None = None,
+    ) -> Image:
+        """Compute a picture of one output, of any type, to look at.
+
+        Colour is seen through the default view of the OCIO config, a flow as colour with its streamlines, numbers of
+        any range from dark to bright; a note says how. ``output`` is "node" or "node.output"; the other parameters and
+        the errors are those of :meth:`run`.
+
+        Returns
+        -------
+        Image
+            A color image of R, G, B: the light of a screen that shows the picture, white 1. Encoded as sRGB, as
+            notebooks and PNG files do, it is what the screen is sent.
+        """
+        from flowabs_nodes.looking.picture import picture_of  # filters, which other runs may not need
+
+        settings = choose_config(RunOptions(**vars(settings or Settings())))[0].settings
+        image = self.run(frame, given, set, output, scale, settings, on_event)[output]
+        node = output.partition(".")[0]
+        with error_boundary(node, frame):
+            picture, said = picture_of(image, settings.ocio)
+        _tell([Note(said, node)], frame, on_event)
+        return picture
 
     def with_set(self, values: Mapping[str, Any]) -> RunnableGraph:
         """Return the graph with other values of knobs and parameters.

@@ -149,12 +149,13 @@ def _take(final: Path, watch: ClaimWatch) -> Claim:
 def _made(final: Path) -> Claim:
     """Make both files of a claim. Raises FileExistsError where there is one, OSError."""
     with ExitStack() as undo:
-        guard = ClaimFile(claim_path(final))
+        guard = ClaimFile(temporary_path(final, new_writer(reach(final.parent))))
         undo.callback(guard.remove)
-        # Nobody can tell that it is dead before it says whose it is, and it says so once it is locked.
         told = guard.locked and file_lock.is_locked(guard.path)
         writer = new_writer(reach(final.parent) if told else NOWHERE)
         guard.write(f"{writer.host} {writer.token} {writer.pid}\n".encode("ascii"))
+        # Only now: of a claim that does not say whose it is nobody could tell that it is dead.
+        guard.rename_new(claim_path(final))
         temporary = ClaimFile(temporary_path(final, writer))
         undo.callback(temporary.remove)
         for file in (guard, temporary):

@@ -165,6 +165,29 @@ class ClaimFile:
         while rest:
             rest = rest[os.write(self.fd, rest) :]  # a write may be short
 
+    def rename_new(self, path: Path) -> None:
+        """Give the file another name, in one step where the file system has links.
+
+        Raises FileExistsError where there is a file of that name, OSError.
+        """
+        try:
+            if file_lock.fcntl is None:  # Windows, which removes no name of a file that is open
+                raise NotImplementedError
+            os.link(self.path, path)
+        except FileExistsError:
+            if os.fstat(self.fd).st_nlink < 2:  # it was not made, and its answer lost, on a network's file system
+                raise
+        except (OSError, NotImplementedError, AttributeError):  # no links here: somebody may see it half made
+            made = ClaimFile(path)
+            with open(self.path, "rb") as file:
+                made.write(file.read())
+            self.remove()
+            self._fd, self.locked = made._fd, made.locked
+        else:
+            with suppress(OSError):
+                os.unlink(self.path)
+        self.path = path
+
     def touch(self) -> None:
         """Change the file's time, to the time of whoever keeps the file."""
         os.utime(self.fd if os.utime in os.supports_fd else self.path)

@@ -17,6 +17,7 @@ import OpenImageIO as oiio
 from flowabs_nodes import color
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.color import ocio
+from flowabs_nodes.color.display import to_display
 from flowabs_nodes.errors import WriteError
 from flowabs_nodes.image import Image
 from flowabs_nodes.io import alpha as alphas
@@ -60,6 +61,8 @@ def encode_exr(picture: Picture, format: Format, stamps: Mapping[str, str], warn
 
     header = exr_header.exr_header(picture.image, picture.settings, warn)
     header.update(_color_tags(picture, format, header, warn))
+    if picture.shown_by is not None and picture.image.type == "color":
+        warn(f"holds the codes of a display ({picture.shown_by}), which others take for scene-linear light")
     for name, value in picture.metadata.items():
         translated, content = attributes.given(name, value)
         header[translated] = content
@@ -89,11 +92,15 @@ def encode_exr(picture: Picture, format: Format, stamps: Mapping[str, str], warn
 
 def _pixels(picture: Picture, image: Image) -> Array:
     """Return an image's pixels in the space that the file is to have; only a color image is ever converted."""
-    if image.type != "color" or picture.colorspace == "plate":
+    shown_by = picture.shown_by
+    if image.type != "color" or (picture.colorspace == "plate" and shown_by is None):
         return image.pixels
     rgb, coverage = image.pixels[..., :3], image.alpha
     straight = rgb if coverage is None else alphas.straight(rgb, coverage)
-    encoded = ocio.encode_named(straight, image.colorspace, picture.colorspace, picture.settings.ocio)
+    if shown_by is not None:
+        encoded = to_display(straight, image.colorspace, shown_by, picture.settings.ocio)
+    else:
+        encoded = ocio.encode_named(straight, image.colorspace, picture.colorspace, picture.settings.ocio)
     if coverage is not None:
         encoded = alphas.premultiplied(encoded, coverage)
         hollow = coverage <= 0
@@ -107,7 +114,9 @@ def _color_tags(picture: Picture, format: Format, header: dict[str, Any], warn: 
     Those of the plate that are no longer true are taken out of ``header``.
     """
     image, settings = picture.image, picture.settings
-    if picture.colorspace == "plate":
+    if picture.shown_by is not None and image.type == "color":
+        tags = {"colorInteropID": picture.shown_by.interop_id or "unknown"}
+    elif picture.colorspace == "plate":
         if image.type != "color":
             return {}
         said = color.detect(image.spec, ocio=settings.ocio)

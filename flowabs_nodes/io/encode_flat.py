@@ -13,6 +13,7 @@ import OpenImageIO as oiio
 from flowabs_nodes import color
 from flowabs_nodes.color import ocio
 from flowabs_nodes.color.config import opened
+from flowabs_nodes.color.display import DisplayView, to_display
 from flowabs_nodes.color.encoding import Encoding
 from flowabs_nodes.errors import WriteError
 from flowabs_nodes.image import Image
@@ -58,9 +59,10 @@ def encode_flat(picture: Picture, format: Format, stamps: Mapping[str, str], war
     image = image.on_window(display)
     data_type = _data_type(picture, format, warn)
     encoding = _encoding(picture, format, data_type, warn)
-    if encoding is None and image.type == "color" and image.colorspace != color.space("lin_rec709"):
+    linear = encoding is None and image.type == "color" and picture.shown_by is None
+    if linear and image.colorspace != color.space("lin_rec709"):
         warn(f"{format.name} cannot say that its colours are {image.colorspace}; colorspace converts them")
-    pixels = _quantised(_encoded(image, encoding, picture.settings, warn), data_type)
+    pixels = _quantised(_encoded(image, encoding, picture, warn), data_type)
     if provenance.KEY in stamps:
         stamps = {**stamps, provenance.PIXELS: decoded_hash(pixels)}
     return _through_oiio(format, _header(picture, format, data_type, pixels, encoding, stamps), pixels)
@@ -90,6 +92,8 @@ def _encoding(picture: Picture, format: Format, data_type: str, warn: Say) -> st
     if picture.image.type != "color":
         return None
     whole_numbers = data_type != "float"
+    if picture.shown_by is not None:
+        return _display_encoding(picture.shown_by, format, data_type, picture.settings, warn)
     if picture.colorspace != "plate":
         chosen = color_tags.sayable(format, data_type, picture.colorspace, opened(picture.settings.ocio))
         if chosen is None:
@@ -114,20 +118,37 @@ def _plate_colors(picture: Picture, data_type: str) -> color.Detected | None:
     return color.detect(picture.image.spec, ocio=picture.settings.ocio, display_referred=data_type != "float")
 
 
-def _encoded(image: Image, encoding: str | Encoding | None, settings: Settings, warn: Say) -> npt.NDArray[np.float32]:
-    """Return (H, W, 3 or 4): straight colour in its encoding; scene-linear, premultiplied colour for None."""
+def _display_encoding(
+    shown_by: DisplayView, format: Format, data_type: str, settings: Settings, warn: Say
+) -> str | Encoding | None:
+    """Choose how the file says what the display's codes are; None where they are numbers, or cannot be named."""
+    if shown_by.data:
+        return None
+    known = shown_by.encoding
+    chosen = None if known is None else color_tags.sayable(format, data_type, known, opened(settings.ocio))
+    if chosen is None:
+        warn(f"{format.name} cannot say that its colours are of {shown_by.display!r}: others will take them for sRGB")
+    return chosen
+
+
+def _encoded(image: Image, encoding: str | Encoding | None, picture: Picture, warn: Say) -> npt.NDArray[np.float32]:
+    """Return (H, W, 3 or 4): straight colour in its encoding, or its view's; scene-linear, premultiplied without."""
     pixels = image.pixels
     nans, _ = nonfinite.count(pixels)
     if nans:
         warn(f"image: {nans} NaN written as 0")
         pixels = np.nan_to_num(pixels, nan=0.0, posinf=np.inf, neginf=-np.inf)
     planes = main_planes(image, pixels)
-    if encoding is None:
+    shown_by = picture.shown_by if image.type == "color" else None
+    if encoding is None and shown_by is None:
         return np.stack(list(planes.values()), axis=2)
     rgb = pixels[..., :3]
     if "A" in planes:
         rgb = alphas.straight(rgb, planes["A"])
-    rgb = ocio.encode_named(rgb, image.colorspace, encoding, settings.ocio)
+    if shown_by is not None:
+        rgb = to_display(rgb, image.colorspace, shown_by, picture.settings.ocio)
+    elif encoding is not None:
+        rgb = ocio.encode_named(rgb, image.colorspace, encoding, picture.settings.ocio)
     return np.concatenate([rgb, pixels[..., 3:]], axis=2)
 
 
@@ -165,9 +186,12 @@ def _header(
     if format.compression:
         spec.attribute("compression", format.compression)
     color_tags.tag(spec, encoding)
+    shown_by = picture.shown_by if picture.image.type == "color" else None
+    if shown_by is not None and encoding is None:
+        spec.attribute("oiio:ColorSpace", "unknown")  # else a PNG would say sRGB
     if _keeps_profile(picture, data_type, encoding):
         color_tags.set_profile(spec, np.asarray(picture.image.spec.getattribute("ICCProfile"), np.uint8).tobytes())
-    if encoding is not None:
+    if encoding is not None or shown_by is not None:
         spec.attribute("oiio:UnassociatedAlpha", 1)
     return spec
 
@@ -175,7 +199,7 @@ def _header(
 def _keeps_profile(picture: Picture, data_type: str, encoding: str | Encoding | None) -> bool:
     """Return whether the plate's ICC profile, which describes the plate's codes, is true of those that are written."""
     profile = picture.image.spec.getattribute("ICCProfile")
-    if profile is None or picture.image.type != "color" or picture.colorspace != "plate":
+    if profile is None or picture.image.type != "color" or picture.colorspace != "plate" or picture.shown_by:
         return False
     plate = _plate_colors(picture, data_type)
     if plate is None or plate.encoding != encoding or plate.space != picture.image.colorspace:

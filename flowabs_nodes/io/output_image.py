@@ -12,6 +12,7 @@ import OpenImageIO as oiio
 
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.choices import COMPRESSIONS, DATA_TYPES
+from flowabs_nodes.color.display import DisplayView, find_view
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.image import Image, Window
 from flowabs_nodes.io import formats
@@ -32,7 +33,7 @@ class Picture:
         The main image: its windows and metadata are the file's.
     layers
         Further images by layer name, on the same data window.
-    data_type, compression, keep_layers, colorspace, metadata
+    data_type, compression, keep_layers, colorspace, metadata, display, view
         As the parameters of ``write``.
     settings
         The run's limits and OCIO config.
@@ -46,6 +47,15 @@ class Picture:
     colorspace: str = "plate"
     metadata: Mapping[str, str | float] = field(default_factory=dict)
     settings: Settings = field(default_factory=Settings)
+    display: str = ""
+    view: str = ""
+
+    @property
+    def shown_by(self) -> DisplayView | None:
+        """Return the display and view that colours are encoded for; None where ``colorspace`` says the encoding."""
+        if not (self.display or self.view):
+            return None
+        return find_view(self.display, self.view, self.settings.ocio)
 
     @property
     def plate_format(self) -> Format | None:
@@ -63,24 +73,30 @@ def build_picture(
     colorspace: str = "plate",
     metadata: Mapping[str, str | float] | None = None,
     settings: Settings | None = None,
+    display: str = "",
+    view: str = "",
     warn: Say = lambda text: None,
 ) -> Picture:
     """Return a frame to save (:func:`flowabs_nodes.io.write.save`); layers are brought to the image's data window.
 
     The parameters are those of ``write``. ``warn`` is told of a layer whose data window is not the image's. Raises
-    ArgumentError for a ``data_type`` or ``compression`` that there is not.
+    ArgumentError for a ``data_type`` or ``compression`` that there is not, and for a ``colorspace`` beside a view.
     """
     for name, value, choices in (("data_type", data_type, DATA_TYPES), ("compression", compression, COMPRESSIONS)):
         if value not in choices:
             raise ArgumentError(f"{name}: expected one of {', '.join(choices)}, found {value!r}", parameter=name)
+    if colorspace != "plate" and (display or view):
+        raise ArgumentError(
+            f"colorspace: {colorspace!r} and a display or view cannot both be the file's encoding: set one",
+            parameter="colorspace",
+        )
     placed = {}
     for name, layer in (layers or {}).items():
         if layer.data_window != image.data_window:
             warn(f"layer {name}: its data window is not the image's; it is cut, or 0 where it has no pixels")
         placed[name] = layer.on_window(image.data_window)
-    return Picture(
-        image, placed, data_type, compression, keep_layers, colorspace, dict(metadata or {}), settings or Settings()
-    )
+    encoding = (data_type, compression, keep_layers, colorspace, dict(metadata or {}))
+    return Picture(image, placed, *encoding, settings or Settings(), display, view)
 
 
 def main_planes(image: Image, pixels: Array) -> dict[str, Array]:

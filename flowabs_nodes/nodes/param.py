@@ -64,7 +64,9 @@ class Param:
     role: Literal["", "input", "output"] = ""  # of a file
     pictures: Flag = False  # of a file to read: it is of a format in flowabs_nodes.io.formats, which is checked first
     colorspace: tuple[str, ...] | None = None  # a text that names a colour space, or is one of these words
+    of_config: Literal["", "display", "view"] = ""  # a text that names one of the OCIO config, checked before a run
     in_key: Flag = True  # False: does not change the picture, so not the key either (a written file's path)
+    later: Flag = False  # came when files had keys without it: at its default it is in no key, so that they stay valid
     schema: Mapping[str, Any] = field(default_factory=dict, hash=False)  # custom: its JSON Schema
     parse: Callable[[Any], str | None] | None = None  # custom: what is wrong with a value, or None
     thin_below: Number | None = None  # scaled to less pixels than this, what is drawn depends on the picture's size
@@ -159,16 +161,20 @@ class Param:
         *,
         examples: tuple[str, ...] = (),
         colorspace: tuple[str, ...] | None = None,
+        of_config: Literal["", "display", "view"] = "",
+        later: Flag = False,
         help: str,
         **panel: Unpack[Panel],
     ) -> Param:
         """Declare a free text; ``examples`` of it are for editors, and for tests.
 
-        ``colorspace`` says that the text is the name of a colour space, or one of the words that it gives: the name is
-        checked before a run, and the OCIO config is then a part of the node's key.
+        ``colorspace`` says that the text is the name of a colour space, or one of the words that it gives, and
+        ``of_config`` that it names a display or a view: names are checked before a run, and the OCIO config is then a
+        part of the node's key.
         """
         schema = {"examples": list(examples)} if examples else {}
-        return Param(name, "string", default, help, schema=schema, colorspace=colorspace, **panel)
+        own: Any = {"colorspace": colorspace, "of_config": of_config, "later": later, **panel}
+        return Param(name, "string", default, help, schema=schema, **own)
 
     @staticmethod
     def color(name: str, default: tuple[Number, Number, Number], *, help: str, **panel: Unpack[Panel]) -> Param:

@@ -41,6 +41,8 @@ def run_write(
     keep_layers: str,
     colorspace: str,
     metadata: dict[str, str | float],
+    display: str,
+    view: str,
     **layers: Image,
 ) -> dict[str, Any]:
     """Return the picture, ready to save, as ``picture``; the engine saves it to ``file``."""
@@ -57,6 +59,8 @@ def run_write(
         colorspace=colorspace,
         metadata=metadata,
         settings=context.services,
+        display=display,
+        view=view,
         warn=context.warn,
     )
     return {"picture": picture}
@@ -115,6 +119,24 @@ WRITE = Node(
             group="Encoding",
             help="plate: the plate's own; sRGB in a PNG or TIFF of a scene-linear plate; or any OCIO name.",
         ),
+        Param.string(
+            "display",
+            "",
+            examples=("default", "sRGB - Display"),
+            of_config="display",
+            later=True,
+            group="Encoding",
+            help="Display of the OCIO config to write colours for; default: its first. Implies a view.",
+        ),
+        Param.string(
+            "view",
+            "",
+            examples=("default", "Raw"),
+            of_config="view",
+            later=True,
+            group="Encoding",
+            help="View of the display; default: its first. Both empty: no view, colours are as colorspace says.",
+        ),
         Param.custom(
             "metadata",
             {},
@@ -138,6 +160,9 @@ WRITE = Node(
         "Standard attributes in `metadata` get their EXR type: framesPerSecond 23.976, timeCode 01:00:00:00. "
         "PNG and TIFF hold the image alone, on the display window, encoded for the screen, with an ICC profile where "
         "that is not sRGB. "
+        'With `view` "default" a PNG is what a viewer with the same OCIO config shows: colours, not premultiplied, go '
+        "through the view, and the file says what the display's codes are (sRGB, cICP or an ICC profile). Mattes and "
+        "mono stay as they are. An EXR may have a view too, but others take its codes for light: a warning says so. "
         "Compressions dwaa, dwab, b44 and b44a change the picture each time it is saved."
     ),
 )

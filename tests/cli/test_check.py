@@ -76,3 +76,11 @@ def test_check_of_what_is_not_there(flowabs, name):
     code, out, err = flowabs("check", name)
     assert (code, out) == (2, "")
     assert err.startswith("flowabs: ")
+
+
+def test_displays_and_views_are_looked_up(flowabs, tmp_path):
+    code, out, _ = flowabs("check", graph_file(tmp_path, out=OUT | {"params": {"view": "Rawr"}}))
+    assert code == 2
+    assert "bad-value  /nodes/out/params/view" in out
+    assert "hint      did you mean 'Raw'?" in out
+    assert flowabs("check", graph_file(tmp_path, out=OUT | {"params": {"view": "Raw"}})) == (0, "ok\n", "")

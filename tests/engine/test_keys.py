@@ -192,3 +192,11 @@ def test_another_process_makes_the_same_key(seed):
         node_key(SPLIT, SPLIT.defaults(), {"mask": "y", "image": "x"}),
         image_key(picture()),
     ]
+
+
+def test_a_parameter_that_came_later_is_in_the_key_only_where_it_is_set():
+    later = Param.string("view", "", later=True, help=".")
+    declaration = dataclasses.replace(SPLIT, params=(*SPLIT.params, later))
+    before = node_key(SPLIT, SPLIT.defaults(), {})
+    assert node_key(declaration, declaration.defaults(), {}) == before
+    assert node_key(declaration, declaration.defaults() | {"view": "Raw"}, {}) != before

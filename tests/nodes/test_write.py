@@ -23,6 +23,8 @@ def test_parameters_and_defaults() -> None:
         "compression": "auto",
         "keep_layers": "",
         "colorspace": "plate",
+        "display": "",
+        "view": "",
         "metadata": {},
     }
     assert WRITE.all_params["data_type"].choices == DATA_TYPES

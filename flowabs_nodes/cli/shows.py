@@ -13,16 +13,16 @@ if TYPE_CHECKING:
     from flowabs_nodes.errors import FlowabsError
 
 
-class Views:
-    """Hands each event of a run to every view, in order."""
+class Shows:
+    """Hands each event of a run to everything that shows it, in order."""
 
-    def __init__(self, *views: Lines) -> None:
-        self._views = views
+    def __init__(self, *shows: Lines) -> None:
+        self._shows = shows
         self._open = ExitStack()
 
     def __enter__(self) -> Self:
-        for view in self._views:
-            self._open.enter_context(view)
+        for show in self._shows:
+            self._open.enter_context(show)
         return self
 
     def __exit__(
@@ -32,15 +32,15 @@ class Views:
 
     def event(self, event: Event) -> None:
         """Show an event of the engine."""
-        for view in self._views:
-            view.event(event)
+        for show in self._shows:
+            show.event(event)
 
     def error(self, error: FlowabsError) -> None:
         """Show why a run could not begin."""
-        for view in self._views:
-            view.error(error)
+        for show in self._shows:
+            show.error(error)
 
     def end(self, report: Report) -> None:
         """Show the summary of a run that has ended."""
-        for view in self._views:
-            view.end(report)
+        for show in self._shows:
+            show.end(report)
