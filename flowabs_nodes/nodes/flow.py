@@ -77,6 +77,7 @@ ETF = Node(
             "matte",
             "How much each pixel counts: at 0 it turns no tangent around it, and takes its own from there.",
             optional=True,
+            cut=True,
         ),
     ),
     outputs=(Port("flow", "flow", "Unit tangents, x right, y down; their sign has no meaning."),),

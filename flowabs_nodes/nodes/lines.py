@@ -23,7 +23,7 @@ from flowabs_nodes.nodes.regions import within
 IMAGE = Port("image", "color", "The picture to draw.")
 FLOW = Port("flow", "flow", "The flow that lines follow.")
 #: As the mask of all other nodes it says where the node acts, but here the rest is paper.
-INK_MASK = Port("mask", "matte", "Where to draw: ink is multiplied by it, and the rest is paper.", optional=True)
+INK_MASK = Port("mask", "matte", "Where to draw: ink is multiplied by it, the rest is paper.", optional=True, cut=True)
 LINES = Port("lines", "matte", "The drawing: 1 is paper, 0 is ink.")
 RESPONSE = Port(
     "response",

@@ -111,7 +111,7 @@ def test_an_input_is_never_written_over(tmp_path):
 
 
 def test_a_file_that_is_not_set():
-    with pytest.raises(CommandError, match="none is set"):
+    with pytest.raises(CommandError, match="no file to read is set"):
         view("plate")
 
 

@@ -58,7 +58,7 @@ def test_a_curve_chooses():
 def test_the_other_branch_is_neither_computed_nor_asked_for():
     loaded = load_graph(document(KNOB))
     loaded.run(given={"one": IMAGES["one"]}, outputs="pick")  # there is no file for the other one
-    with pytest.raises(CommandError, match="'two' reads a file, but none is set"):
+    with pytest.raises(CommandError, match="node two: parameter file: no file to read is set"):
         loaded.run(given={"one": IMAGES["one"]}, outputs="pick", set={"take": 1})
 
 
@@ -78,7 +78,7 @@ def test_a_run_reads_the_chosen_branch_alone_and_resumes_by_it(tmp_path):
 
 def test_a_curve_needs_both_files(tmp_path):
     files = {"one.file": plates(tmp_path / "shot", 1, 2)}
-    with pytest.raises(CommandError, match="'two' reads a file"):
+    with pytest.raises(CommandError, match="node two: parameter file: no file to read is set"):
         engine.run(document({"curve": {"1": 0, "2": 1}}), output=tmp_path / "out.####.exr", set=files)
 
 
