@@ -50,8 +50,6 @@ def encode_flat(picture: Picture, format: Format, stamps: Mapping[str, str], war
     declared = pixel_type(image.type)
     if not declared.shown:
         raise WriteError(f"{format.name} cannot hold {declared.an_image}; write an EXR", code="bad-format")
-    if picture.layers:
-        warn(f"{format.name} holds one image: layers {', '.join(picture.layers)} are left out")
     if picture.keep_layers:
         warn(f"{format.name} holds one image: the plate's other layers are left out")
     display = image.display_window

@@ -193,3 +193,21 @@ def test_signals(shot, out, number, code):
         report = run(shot, out, graph_around(kill))
     assert report.exit_code == code
     assert signal.getsignal(number) is before
+
+
+@pytest.mark.parametrize(
+    ("outputs", "said"),
+    [
+        (["o.####.exr"], []),
+        (["o.####.png"], ["layer ink"]),
+        (["o.####.png", "o.####.exr"], []),
+        (["o.####.tif"], ["layer ink"]),
+    ],
+)
+def test_layers_that_no_output_holds_are_told_once(shot, tmp_path, outputs, said):
+    layered = document(out={"type": "write@1", "inputs": {"image": "bright", "ink": "plate"}})
+    events = []
+    report = run(shot, [str(tmp_path / "out" / name) for name in outputs], layered, on_event=events.append)
+    assert report.exit_code == 0
+    told = [event["text"] for event in events if event["event"] == "note" and "left out: layer" in event["text"]]
+    assert [text.split(", which")[0].removeprefix("left out: ") for text in told] == said
