@@ -115,13 +115,13 @@ def _only(graph: Graph, type: str, option: str) -> str:
 def frames_asked_for(frames: str | int | Iterable[int] | None, inputs: list[Sequence]) -> tuple[int, ...]:
     """Return the numbers of the frames asked for, or else of every frame on disk.
 
-    A frame that one input has on disk counts even where another input lacks it, so that its absence is told.
+    A single picture is frame 1, or the number in its name (``move.0004.exr``) if it has one. A frame that one input has on disk counts even where another input lacks it, so that its absence is told.
     """
     if frames is not None:
         return frame_numbers(frames)
     numbered = [sequence for sequence in inputs if sequence.has_token]
     if not numbered:
-        return (1,)
+        return (next((number for each in inputs if (number := each.number_in_name) is not None), 1),)
     on_disk = {number for sequence in numbered for number in sequence.frames_on_disk()}
     if not on_disk:
         patterns = ", ".join(sequence.pattern for sequence in numbered)

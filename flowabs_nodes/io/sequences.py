@@ -18,6 +18,8 @@ MAX_FRAMES = 1_000_000
 
 _RANGE = re.compile(r"(-?\d{1,18})(?:-(-?\d{1,18})(?:x(\d{1,18}))?)?")
 #: One # or @ before a digit is none: "icon@2x.png" and "take#2.exr" are names, and 1 before 2 would read as 12.
+#: A frame's number in the name of one picture: digits between dots, before the extension.
+_NUMBER_IN_NAME = re.compile(r"\.(-?\d{1,9})\.[^.]+$")
 _TOKEN = re.compile(r"#{2,}|#(?!\d)|@{2,}|@(?!\d)|%\d*d(?![A-Za-z])|\$F\d*+(?![A-Za-z])")
 
 
@@ -84,6 +86,12 @@ class Sequence:
     def has_token(self) -> bool:
         """True for a sequence, False for a single picture."""
         return self._parts is not None
+
+    @property
+    def number_in_name(self) -> int | None:
+        """Return the number that stands between dots before a single picture's extension, as in ``move.0004.exr``."""
+        match = None if self.has_token else _NUMBER_IN_NAME.search(os.path.basename(self.pattern))
+        return int(match[1]) if match else None
 
     @cached_property
     def _parts(self) -> tuple[str, int, str] | None:

@@ -211,3 +211,12 @@ def test_layers_that_no_output_holds_are_told_once(shot, tmp_path, outputs, said
     assert report.exit_code == 0
     told = [event["text"] for event in events if event["event"] == "note" and "left out: layer" in event["text"]]
     assert [text.split(", which")[0].removeprefix("left out: ") for text in told] == said
+
+
+def test_a_single_picture_is_the_frame_that_its_name_says(tmp_path):
+    plate(tmp_path / "move.0004.exr")
+    report = run(tmp_path / "move.0004.exr", str(tmp_path / "out.####.exr"))
+    assert statuses(report) == [(4, "done")]
+    assert (tmp_path / "out.0004.exr").exists()
+    plate(tmp_path / "move.exr")
+    assert statuses(run(tmp_path / "move.exr", str(tmp_path / "other.####.exr"))) == [(1, "done")]

@@ -181,3 +181,22 @@ def test_frames_of_another_width_are_named(tmp_path: Path) -> None:
     assert Sequence(str(tmp_path / "s.####.exr")).passed_over() == ("s.-1.exr", "s.00007.exr", "s.003.exr", "s.2.exr")
     assert Sequence(str(tmp_path / "s.exr")).passed_over() == ()
     assert Sequence(str(tmp_path / "no" / "s.#.exr")).passed_over() == ()
+
+
+@pytest.mark.parametrize(
+    ("name", "number"),
+    [
+        ("move.0004.exr", 4),
+        ("shot/move.1001.png", 1001),
+        ("move.-12.exr", -12),
+        ("move.0004", None),
+        ("move_0004.exr", None),
+        ("move.v2.exr", None),
+        ("2024.exr", None),
+        ("a.7.b.exr", None),
+        ("move.####.exr", None),
+        ("move.12345678901.exr", None),
+    ],
+)
+def test_the_number_of_a_single_picture(name, number):
+    assert Sequence(name).number_in_name == number
