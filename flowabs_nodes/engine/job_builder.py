@@ -115,7 +115,8 @@ def _only(graph: Graph, type: str, option: str) -> str:
 def frames_asked_for(frames: str | int | Iterable[int] | None, inputs: list[Sequence]) -> tuple[int, ...]:
     """Return the numbers of the frames asked for, or else of every frame on disk.
 
-    A single picture is frame 1, or the number in its name (``move.0004.exr``) if it has one. A frame that one input has on disk counts even where another input lacks it, so that its absence is told.
+    A single picture is frame 1, or the number in its name (``move.0004.exr``) if it has one. A frame that one input has
+    on disk counts even where another input lacks it, so that its absence is told.
     """
     if frames is not None:
         return frame_numbers(frames)

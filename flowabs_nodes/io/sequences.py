@@ -17,9 +17,9 @@ from flowabs_nodes.io.settings import refuse_shell_words
 MAX_FRAMES = 1_000_000
 
 _RANGE = re.compile(r"(-?\d{1,18})(?:-(-?\d{1,18})(?:x(\d{1,18}))?)?")
-#: One # or @ before a digit is none: "icon@2x.png" and "take#2.exr" are names, and 1 before 2 would read as 12.
 #: A frame's number in the name of one picture: digits between dots, before the extension.
 _NUMBER_IN_NAME = re.compile(r"\.(-?\d{1,9})\.[^.]+$")
+#: One # or @ before a digit is none: "icon@2x.png" and "take#2.exr" are names, and 1 before 2 would read as 12.
 _TOKEN = re.compile(r"#{2,}|#(?!\d)|@{2,}|@(?!\d)|%\d*d(?![A-Za-z])|\$F\d*+(?![A-Za-z])")
 
 
