@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
 
@@ -37,7 +38,7 @@ def render_frames(
     left is worth it: the first one's time is that of loading and compiling too. The pixels are the same in any case.
     """
     limits = _limits(options, len(numbers))
-    rest = list(numbers)
+    rest = deque(numbers)
     peak = made = 0
     if not _needs_processes(options) or not _can_travel(job):
         carried = CarryOver(job.graph, numbers, store)
@@ -45,7 +46,7 @@ def render_frames(
             while rest:
                 stopping.check()
                 reset_peak()
-                report = render_frame(job, rest.pop(0), carried, watch=watch, nodes=tell.nodes)
+                report = render_frame(job, rest.popleft(), carried, watch=watch, nodes=tell.nodes)
                 peak = peak_since_reset()
                 yield report
                 if _disk_is_full(report):

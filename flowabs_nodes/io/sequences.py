@@ -16,6 +16,9 @@ from flowabs_nodes.io.settings import refuse_shell_words
 #: The most frames one range may come to.
 MAX_FRAMES = 1_000_000
 
+#: The most digits that a frame number may be padded to; a longer one is a mistake, or makes names that no file can have.
+MAX_WIDTH = 20
+
 _RANGE = re.compile(r"(-?\d{1,18})(?:-(-?\d{1,18})(?:x(\d{1,18}))?)?")
 #: One # or @ before a digit is none: "icon@2x.png" and "take#2.exr" are names, and 1 before 2 would read as 12.
 _TOKEN = re.compile(r"#{2,}|#(?!\d)|@{2,}|@(?!\d)|%\d*d(?![A-Za-z])|\$F\d*+(?![A-Za-z])")
@@ -95,6 +98,10 @@ class Sequence:
         if len(tokens) > 1:
             found = " and ".join(token[0] for token in tokens)
             raise CommandError(f"a name has one frame token, found {found}", code="bad-sequence", file=self.pattern)
+        width = int(digits[0]) if (digits := re.search(r"\d{1,9}", tokens[0][0])) else len(tokens[0][0])
+        if width > MAX_WIDTH:
+            text = f"a frame number is padded to at most {MAX_WIDTH} digits, found {width}"
+            raise CommandError(text, code="bad-sequence", file=self.pattern[:200])
         import fileseq  # a parser that single pictures need not wait for
 
         token = tokens[0]
