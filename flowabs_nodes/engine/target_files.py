@@ -124,7 +124,7 @@ def _files_of(inputs: list[Sequence], numbers: tuple[int, ...]) -> Iterator[str]
 
 
 def check_folders(targets: Iterable[str], *, touch: bool = True) -> None:
-    """Raise CommandError where the folder of a file or pattern to write, which need not exist yet, cannot be written to.
+    """Raise CommandError where the folder of a file or pattern to write cannot be written to; it need not exist yet.
 
     It is tried with a file that is removed at once, or (``touch`` False) only the permissions are looked at.
     """

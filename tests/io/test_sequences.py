@@ -181,3 +181,9 @@ def test_frames_of_another_width_are_named(tmp_path: Path) -> None:
     assert Sequence(str(tmp_path / "s.####.exr")).passed_over() == ("s.-1.exr", "s.00007.exr", "s.003.exr", "s.2.exr")
     assert Sequence(str(tmp_path / "s.exr")).passed_over() == ()
     assert Sequence(str(tmp_path / "no" / "s.#.exr")).passed_over() == ()
+
+
+@pytest.mark.parametrize("token", ["%0999d", "$F99999999", "#" * 300, "%021d"])
+def test_a_number_of_too_many_digits_is_refused_at_once(token):
+    with pytest.raises(CommandError, match="at most 20 digits"):
+        Sequence(f"out/a.{token}.exr").path(1)
