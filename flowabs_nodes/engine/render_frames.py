@@ -13,9 +13,9 @@ from flowabs_nodes.engine.carry_over import CarryOver
 from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.memory import SHARE, available_memory, give_back_freed_memory, peak_since_reset, reset_peak
 from flowabs_nodes.engine.options import RunOptions
-from flowabs_nodes.engine.render_frame import render_frame
 from flowabs_nodes.engine.report import FrameReport
 from flowabs_nodes.engine.result_store import ResultStore
+from flowabs_nodes.engine.retries import render_with_retries
 from flowabs_nodes.engine.run_events import RunEvents
 from flowabs_nodes.engine.worker_pool import Limits, WorkerPool
 from flowabs_nodes.errors import WriteError
@@ -46,7 +46,7 @@ def render_frames(
             while rest:
                 stopping.check()
                 reset_peak()
-                report = render_frame(job, rest.popleft(), carried, watch=watch, nodes=tell.nodes)
+                report = render_with_retries(job, rest.popleft(), carried, watch=watch, nodes=tell.nodes)
                 peak = peak_since_reset()
                 yield report
                 if _disk_is_full(report):
