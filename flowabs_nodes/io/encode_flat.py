@@ -228,7 +228,10 @@ def _through_oiio(format: Format, spec: oiio.ImageSpec, pixels: npt.NDArray[np.g
                 raise no_space_in(os.path.dirname(folder))
             raise WriteError(f"cannot be encoded as {format.name}: {wrong}")
         with open(path, "rb") as file:
-            return file.read()
+            data = file.read()
+        if is_full(path, 1):  # a PNG may lack its last bytes, and its pixels are there all the same
+            raise no_space_in(os.path.dirname(folder))
+        return data
 
 
 def _holds(path: str, pixels: npt.NDArray[np.generic]) -> bool:

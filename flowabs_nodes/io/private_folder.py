@@ -14,7 +14,6 @@ from contextlib import contextmanager
 from flowabs_nodes.errors import WriteError
 
 _NO_SPACE = frozenset(getattr(errno, name) for name in ("ENOSPC", "EDQUOT", "EFBIG") if hasattr(errno, name))
-_PROBE = 1 << 16
 _CURE = "TMPDIR names another folder for what is encoded"
 
 
@@ -44,14 +43,13 @@ def no_space_in(folder: str) -> WriteError:
     return WriteError(f"no space is left in {folder}, the folder for temporary files", code="disk-full", hint=_CURE)
 
 
-def is_full(path: str) -> bool:
-    """Return True where a file in a private folder cannot grow by 64 KiB, since disk, quota or limit is reached."""
+def is_full(path: str, more: int = 1 << 16) -> bool:
+    """Return True where a file in a private folder cannot grow by ``more`` bytes: disk, quota or limit is reached."""
     try:
         with open(path, "ab", buffering=0) as file:
-            left = memoryview(bytes(_PROBE))
+            left = memoryview(bytes(more))
             while left:
                 left = left[file.write(left) :]
-            os.fsync(file.fileno())
     except OSError as error:
         return error.errno in _NO_SPACE
     return False
