@@ -210,3 +210,9 @@ def test_a_step_with_a_colon_is_refused_and_written_with_x(text: str, example: s
     with pytest.raises(CommandError) as caught:
         parse_frames(text)
     assert f"with x: {example};" in caught.value.hint
+
+
+@pytest.mark.parametrize("token", ["%0999d", "$F99999999", "#" * 300, "%021d"])
+def test_a_number_of_too_many_digits_is_refused_at_once(token):
+    with pytest.raises(CommandError, match="at most 20 digits"):
+        Sequence(f"out/a.{token}.exr").path(1)
