@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-import OpenImageIO as oiio
+from typing import TYPE_CHECKING
 
 from flowabs_nodes.errors import ReadError, WriteError
 from flowabs_nodes.io.settings import Settings
+
+if TYPE_CHECKING:
+    import OpenImageIO as oiio
 
 #: A frame may hold this many times ``Settings.max_pixels`` values (pixels x channels).
 CHANNELS_AT_MOST = 8

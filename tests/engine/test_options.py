@@ -26,7 +26,16 @@ def test_every_option_is_a_keyword_of_run_with_the_same_default():
 
 def test_every_option_is_a_flag_of_the_command_line_with_the_same_default_and_choices():
     flags = {each.name: each for each in cli.run.params}
-    assert flags.keys() - FIELDS.keys() == {"graph", "as_json", "profile", "view", "verbose", "quiet", "log_file"}
+    assert flags.keys() - FIELDS.keys() == {
+        "graph",
+        "as_json",
+        "profile",
+        "view",
+        "dry_run",
+        "verbose",
+        "quiet",
+        "log_file",
+    }
     for name, option in FIELDS.items():
         flag = flags[name]
         assert f"--{name.replace('_', '-')}" in flag.opts
