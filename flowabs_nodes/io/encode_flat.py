@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 
 import numpy as np
 import numpy.typing as npt
@@ -15,7 +16,7 @@ from flowabs_nodes.color import ocio
 from flowabs_nodes.color.config import opened
 from flowabs_nodes.color.display import DisplayView, to_display
 from flowabs_nodes.color.encoding import Encoding
-from flowabs_nodes.errors import WriteError
+from flowabs_nodes.errors import ReadError, WriteError
 from flowabs_nodes.image import Image
 from flowabs_nodes.io import alpha as alphas
 from flowabs_nodes.io import attributes, color_tags, nonfinite, provenance
@@ -30,6 +31,8 @@ from flowabs_nodes.port_types import pixel_type
 
 Say = Callable[[str], None]
 
+#: Bytes that are written at a time to see whether a file would fit.
+_BLOCK = 1 << 18
 _BASETYPES = {
     oiio.UINT8: "uint8",
     oiio.UINT16: "uint16",
@@ -221,12 +224,33 @@ def _through_oiio(format: Format, spec: oiio.ImageSpec, pixels: npt.NDArray[np.g
             wrong = reason(output) or "its pixels cannot be written"
         if not output.close() and not wrong:
             wrong = reason(output) or "it cannot be closed"
-        if not wrong and not _holds(path, pixels):
-            wrong = "its pixels are not what was written"
+        try:
+            if not wrong and not _holds(path, pixels):
+                wrong = "its pixels are not what was written"
+        except ReadError as error:  # it names the private file
+            wrong = error.message
         if wrong:
+            with suppress(OSError):
+                os.unlink(path)
+            _check_room(folder, pixels.nbytes)
             raise WriteError(f"cannot be encoded as {format.name}: {wrong}")
         with open(path, "rb") as file:
             return file.read()
+
+
+def _check_room(folder: str, size: int) -> None:
+    """Raise WriteError where a file of about ``size`` bytes does not fit: OpenImageIO does not say that a disk is full."""
+    try:
+        with open(os.path.join(folder, "probe"), "wb") as file:
+            for _ in range(0, size + _BLOCK, _BLOCK):
+                file.write(bytes(_BLOCK))
+    except OSError as error:
+        where = os.path.dirname(folder)
+        raise WriteError(
+            f"no space is left on the disk of {where}, where it is encoded: {error.strerror or error}",
+            code="disk-full",
+            hint="$TMPDIR names another folder",
+        ) from error
 
 
 def _holds(path: str, pixels: npt.NDArray[np.generic]) -> bool:

@@ -118,7 +118,7 @@ def _answer(read: object, name: str) -> tuple[str, str]:
         read(name)  # type: ignore[operator]
     except FlowabsError as error:
         return "refused", str(error)
-    except Exception:  # noqa: BLE001: that is what is looked for
+    except Exception:  # noqa: BLE001 - that is what is looked for
         return "traceback", traceback.format_exc(limit=-2)
     return "picture", ""
 
@@ -164,7 +164,7 @@ def _openexr_reads(name: str, attempts: int = 10) -> bool:
             copy = Path(folder) / "readable.exr"
             copy.write_bytes(Path(name).read_bytes().replace(error.object, readable, 1))
             return attempts > 0 and _openexr_reads(str(copy), attempts - 1)
-    except Exception:  # noqa: BLE001: it has no family of errors
+    except Exception:  # noqa: BLE001 - it has no family of errors
         return False
     return True
 
