@@ -239,7 +239,7 @@ def _through_oiio(format: Format, spec: oiio.ImageSpec, pixels: npt.NDArray[np.g
 
 
 def _check_room(folder: str, size: int) -> None:
-    """Raise WriteError where a file of about ``size`` bytes does not fit: OpenImageIO does not say that a disk is full."""
+    """Raise WriteError where a file of about ``size`` bytes does not fit, which OpenImageIO does not say."""
     try:
         with open(os.path.join(folder, "probe"), "wb") as file:
             for _ in range(0, size + _BLOCK, _BLOCK):
