@@ -100,5 +100,8 @@ def _bytes(path: Path) -> bytes:
         reason = getattr(error, "strerror", None) or getattr(error, "message", None) or str(error)
         hint = f"the graph that comes with flowabs is {path.stem!r}" if path.stem in shipped() else ""
         raise CommandError(
-            f"cannot read the graph: {reason.removeprefix('cannot be read: ')}", code="unreadable-graph", file=str(path), hint=hint
+            f"cannot read the graph: {reason.removeprefix('cannot be read: ')}",
+            code="unreadable-graph",
+            file=str(path),
+            hint=hint,
         ) from error

@@ -99,7 +99,12 @@ def test_what_is_refused_below_is_refused_for_one_thing(shot):
 PATHS = [
     *("../outside/secret.1.exr", "{outside}/secret.1.exr", "link/secret.1.exr", "chain/secret.1.exr", "link.exr"),
     *("../root/../outside/secret.1.exr", "./link/../outside/secret.1.exr", "//{outside}/secret.1.exr", "loop.exr"),
-    *("/proc/self/root/{outside}/secret.1.exr", "/proc/self/cwd/../outside/secret.1.exr", "~/secret.exr", "$HOME/a.exr"),
+    *(
+        "/proc/self/root/{outside}/secret.1.exr",
+        "/proc/self/cwd/../outside/secret.1.exr",
+        "~/secret.exr",
+        "$HOME/a.exr",
+    ),
     *("file://{outside}/secret.1.exr", "http://localhost/a.exr", "s3://bucket/a.exr", "/dev/zero", "/dev/stdin"),
     *("/dev/random", "zero.exr", "pipe.exr", "socket.exr", "folder.exr", "/etc/passwd", "a\0b.exr"),
     *("a" * 5000 + ".exr", "a/" * 3000 + "b.exr", "`id`.exr", "$(id).exr", "[python id].exr", "%0999d.exr"),
@@ -182,7 +187,9 @@ def test_a_graph(shot, capsys, name):
     refused(shot, capsys, ["./copy.json", "--root", "."], within=6.0 if "10," in name else 3.0)
 
 
-@pytest.mark.parametrize("path", ["./pipe.json", "/dev/zero/", "/dev/random", "./folder.exr", "./none.json", "a/\0.json"])
+@pytest.mark.parametrize(
+    "path", ["./pipe.json", "/dev/zero/", "/dev/random", "./folder.exr", "./none.json", "a/\0.json"]
+)
 def test_a_graph_that_is_no_file(shot, capsys, path):
     refused(shot, capsys, [path, "--root", "."])
 
