@@ -98,9 +98,10 @@ def _bytes(path: Path) -> bytes:
             return file.read(MOST_BYTES + 1)
     except (OSError, ValueError, ReadError) as error:  # ValueError: a NUL in the name
         reason = getattr(error, "strerror", None) or getattr(error, "message", None) or str(error)
+        reason = reason.removeprefix("cannot be read: ")
         hint = f"the graph that comes with flowabs is {path.stem!r}" if path.stem in shipped() else ""
         raise CommandError(
-            f"cannot read the graph: {reason.removeprefix('cannot be read: ')}",
+            f"cannot read the graph: {reason}",
             code="unreadable-graph",
             file=str(path),
             hint=hint,
