@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from flowabs_nodes.errors import ArgumentError, CommandError
+from flowabs_nodes.errors import ArgumentError, CommandError, ReadError
 from flowabs_nodes.graph.jsonable import jsonable
 from flowabs_nodes.graph.missing_packages import missing_packages
 from flowabs_nodes.graph.model import Graph
@@ -15,6 +15,7 @@ from flowabs_nodes.graph.problems import GraphError, Problem, Problems
 from flowabs_nodes.graph.safe_json import MOST_BYTES, parse
 from flowabs_nodes.graph.shipped import resolve, shipped
 from flowabs_nodes.graph.validate import validate
+from flowabs_nodes.io.formats import check_kind
 from flowabs_nodes.io.settings import refuse_shell_words
 from flowabs_nodes.nodes import catalogue as installed
 from flowabs_nodes.nodes.declare import Node
@@ -89,14 +90,19 @@ def _path(source: Any) -> Path:
 
 
 def _bytes(path: Path) -> bytes:
-    """Read the file, at most one byte more than a graph may have."""
+    """Read the file, at most one byte more than a graph may have; a pipe or a device might never end."""
     refuse_shell_words(str(path))
     try:
+        check_kind(path)
         with path.open("rb") as file:
             return file.read(MOST_BYTES + 1)
-    except (OSError, ValueError) as error:  # ValueError: a NUL in the name
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+    except (OSError, ValueError, ReadError) as error:  # ValueError: a NUL in the name
+        reason = getattr(error, "strerror", None) or getattr(error, "message", None) or str(error)
+        reason = reason.removeprefix("cannot be read: ")
         hint = f"the graph that comes with flowabs is {path.stem!r}" if path.stem in shipped() else ""
         raise CommandError(
-            f"cannot read the graph: {reason}", code="unreadable-graph", file=str(path), hint=hint
+            f"cannot read the graph: {reason}",
+            code="unreadable-graph",
+            file=str(path),
+            hint=hint,
         ) from error

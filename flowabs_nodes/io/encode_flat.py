@@ -219,8 +219,11 @@ def _through_oiio(format: Format, spec: oiio.ImageSpec, pixels: npt.NDArray[np.g
             wrong = reason(output) or "its pixels cannot be written"
         if not output.close() and not wrong:
             wrong = reason(output) or "it cannot be closed"
-        if not wrong and not _holds(path, pixels):
-            wrong = "its pixels are not what was written"
+        try:
+            if not wrong and not _holds(path, pixels):
+                wrong = "its pixels are not what was written"
+        except ReadError as error:  # it names the private file
+            wrong = error.message
         if wrong:
             if is_full(path):
                 raise no_space_in(os.path.dirname(folder))

@@ -21,6 +21,7 @@ from flowabs_nodes.io import formats
 from flowabs_nodes.io.formats import Format
 from flowabs_nodes.io.limits import MAX_PARTS, check_readable, too_large
 from flowabs_nodes.io.oiio_error import reason
+from flowabs_nodes.io.other_parts import check_other_parts
 from flowabs_nodes.io.settings import Settings
 
 
@@ -164,5 +165,6 @@ class _OiioFile:
             raise ReadError(
                 f"damaged or cut short: {problem or 'its pixels cannot be decoded'}", code="damaged", file=self.path
             )
+        check_other_parts(self._source, self.path, self.specs, part, self._settings)
         spec = self.specs[part]
         return np.asarray(pixels).reshape(spec.height, spec.width, run.end - run.begin)

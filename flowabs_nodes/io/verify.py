@@ -58,7 +58,7 @@ def flaw(
                 return "damaged"
             if pixels and expected.hashed == "decoded":
                 decoded = DecodedHash(spec.width, spec.height, spec.nchannels)
-            if not _decodes(source, spec, part, decoded.update if decoded else _ignore) or reason(source):
+            if not decodes(source, spec, part, decoded.update if decoded else _ignore) or reason(source):
                 return "damaged"
             part += 1
         reason(source)  # the last seek was one too far
@@ -86,7 +86,7 @@ def _ignore(rows: npt.NDArray[Any]) -> None:
     """Do nothing with decoded rows."""
 
 
-def _decodes(source: Any, spec: oiio.ImageSpec, part: int, use: Callable[[npt.NDArray[Any]], None]) -> bool:
+def decodes(source: Any, spec: oiio.ImageSpec, part: int, use: Callable[[npt.NDArray[Any]], None] = _ignore) -> bool:
     """Return True if OpenImageIO decodes every scanline or tile of a part, or its deep samples.
 
     ``use`` is handed the pixels, some rows at a time, in order and in the file's data type; deep samples are not.

@@ -47,7 +47,7 @@ class Shot:
     def damaged(self) -> list[str]:
         """Return the names of frames that do not decode."""
         frames, _ = self.files()
-        return [name for name in sorted(frames) if not _decodes(self.made / name)]
+        return [name for name in sorted(frames) if not decodes(self.made / name)]
 
 
 @contextmanager
@@ -59,7 +59,7 @@ def shot(frames: int) -> Iterator[Shot]:
         yield Shot(Path(name), frames)
 
 
-def _decodes(path: Path) -> bool:
+def decodes(path: Path) -> bool:
     """Return whether every pixel of a file can be read."""
     opened = oiio.ImageInput.open(str(path))
     if opened is None:
