@@ -27,6 +27,9 @@ SRGB = "srgb_rec709_scene"
 #: The word for what the config names first.
 DEFAULT = "default"
 
+#: What a config says of a view whose colour space has the display's name; OpenImageIO 3.0 gives it as it stands there.
+_OF_THE_DISPLAY = "<USE_DISPLAY_NAME>"
+
 #: Light beyond this, the greatest half, and Inf, count as this: tables of views end far below.
 _MOST = 65504.0
 
@@ -140,7 +143,7 @@ def _part_of(name: str, known: list[str]) -> str:
 def _described(display: str, view: str, ocio: Config) -> DisplayView:
     """Return what is known of a display and view that the config has."""
     found = config.config(ocio)
-    space = str(found.getDisplayViewColorSpaceName(display, view))
+    space = str(found.getDisplayViewColorSpaceName(display, view)).replace(_OF_THE_DISPLAY, display)
     if space.lower() in DATA_NAMES or config.is_data(space, ocio):
         return DisplayView(display, view, data=True)
     names = [space, *map(str, found.getAliases(space)), display]

@@ -1,3 +1,5 @@
+import re
+
 """Names of scene-linear spaces, and that OCIO means the same by them."""
 
 import numpy as np
@@ -56,7 +58,8 @@ def test_a_space_is_a_value():
         ("zzzzzz", "no colour space 'zzzzzz'", "lin_ap1_scene"),
         ("sRGB", "not scene-linear", "lin_rec709"),
         ("ACEScct", "not scene-linear", "lin_ap1_scene"),
-        ("CIE XYZ-D65 - Scene-referred", "(not scene-linear|no colour space)", "lin_rec709"),
+        # OpenColorIO 2.4's config does not have it, but a role of a name like it.
+        ("CIE XYZ-D65 - Scene-referred", "(not scene-linear|no colour space)", "lin_rec709|cie_xyz_d65_interchange"),
         ("raw", "holds data", "lin_rec709"),
         ("", "not the name", "lin_rec709"),
         (None, "not the name", "lin_rec709"),
@@ -65,7 +68,7 @@ def test_a_space_is_a_value():
 def test_errors_hint_at_the_right_name(name, message, hint):
     with pytest.raises(ColorError, match=message) as caught:
         color.space(name)
-    assert hint in caught.value.hint
+    assert re.search(hint, caught.value.hint)
 
 
 def test_between_spaces():
