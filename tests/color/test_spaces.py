@@ -1,6 +1,6 @@
-import re
-
 """Names of scene-linear spaces, and that OCIO means the same by them."""
+
+import re
 
 import numpy as np
 import pytest
