@@ -30,7 +30,7 @@ def parse_frames(text: str) -> tuple[int, ...]:
     for part in text.split(","):
         match = _RANGE.fullmatch(part.strip())
         if not match or match[3] == "0":
-            hint = "every fourth frame is 1-10x4; a stagger (:) is not for rendering" if ":" in part else ""
+            hint = _stepped_with_x(part.strip())
             raise CommandError(
                 f"{part.strip()!r} is not a frame range such as 1001-1100x2,200", code="bad-frames", hint=hint
             )
@@ -41,6 +41,16 @@ def parse_frames(text: str) -> tuple[int, ...]:
             raise CommandError(f"{text!r} is more than {MAX_FRAMES:,} frames", code="bad-frames")
         frames.update(dict.fromkeys(numbers))
     return tuple(frames)
+
+
+def _stepped_with_x(part: str) -> str:
+    """Return the hint for a range with a ``:``, which is a step to Open Job Description and a stagger to fileseq."""
+    if ":" not in part:
+        return ""
+    corrected = part.replace(":", "x")
+    match = _RANGE.fullmatch(corrected)
+    example = corrected if match and match[3] != "0" else "1-10x4"
+    return f"a step is written with x: {example}; a stagger (:) is not for rendering"
 
 
 @dataclass(frozen=True)

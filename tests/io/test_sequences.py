@@ -181,3 +181,13 @@ def test_frames_of_another_width_are_named(tmp_path: Path) -> None:
     assert Sequence(str(tmp_path / "s.####.exr")).passed_over() == ("s.-1.exr", "s.00007.exr", "s.003.exr", "s.2.exr")
     assert Sequence(str(tmp_path / "s.exr")).passed_over() == ()
     assert Sequence(str(tmp_path / "no" / "s.#.exr")).passed_over() == ()
+
+
+@pytest.mark.parametrize(
+    ("text", "example"),
+    [("1001-1100:2", "1001-1100x2"), ("5,-5--1:2", "-5--1x2"), (":", "1-10x4"), ("1-9:0", "1-10x4")],
+)
+def test_a_step_with_a_colon_is_refused_and_written_with_x(text: str, example: str) -> None:
+    with pytest.raises(CommandError) as caught:
+        parse_frames(text)
+    assert f"with x: {example};" in caught.value.hint
