@@ -89,6 +89,11 @@ class _RunCommand(click.Command):
     metavar="NODE[.OUTPUT]",
     help="Look at a node on the first frame: -o names a PNG or TIFF, else the terminal shows it. Nothing else is made.",
 )
+@click.option(
+    "--dry-run",
+    is_flag=True,
+    help="Tell what would be read, written and done, from names, times and headers alone. Nothing is made.",
+)
 @click.option("-v", "--verbose", is_flag=True, help="Say more: each node, what is read and what is there already.")
 @click.option("-q", "--quiet", is_flag=True, help="Say failures and warnings only.")
 @click.option("--log-file", cls=OnceOption, metavar="FILE", help="Append every line to FILE too, with the time.")
@@ -97,6 +102,7 @@ def run(
     as_json: bool,
     profile: bool,
     view: str | None,
+    dry_run: bool,
     verbose: bool,
     quiet: bool,
     log_file: str | None,
@@ -125,6 +131,13 @@ def run(
     words: tuple[str, ...] = context.meta[_WORDS]
     loudness = Loudness.VERBOSE if verbose else Loudness.QUIET if quiet else Loudness.NORMAL
     again = partial(command_for, words)
+    if dry_run:
+        from flowabs_nodes.cli.dry_run import tell_plan
+
+        if profile or log_file is not None or view is not None:
+            raise click.UsageError("--profile, --log-file and --view make something: --dry-run makes nothing", context)
+        kernel_path()
+        return tell_plan(graph, RunOptions(**options), (JsonLines if as_json else Lines)(loudness, again))
     if view is not None:
         from flowabs_nodes.cli.view import view_node
 

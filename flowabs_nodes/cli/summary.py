@@ -20,11 +20,11 @@ def failed_lines(report: Report, again: Callable[[str], str]) -> list[str]:
     reasons: dict[str, list[int]] = {}
     for frame in report.frames:
         if frame.error is not None:
-            reasons.setdefault(_reason(frame.error), []).append(frame.frame)
+            reasons.setdefault(reason(frame.error), []).append(frame.frame)
     to_make = [frame for frames in reasons.values() for frame in frames] + list(report.not_made)
     if not to_make:
         return []
-    lines = [f"  {_frames(frame_range(frames), len(frames))}: {reason}" for reason, frames in reasons.items()]
+    lines = [f"  {frames_in_words(frame_range(frames), len(frames))}: {why}" for why, frames in reasons.items()]
     if reasons:
         count = sum(map(len, reasons.values()))
         lines.insert(0, f"{count} frame{'' if count == 1 else 's'} failed:")
@@ -32,11 +32,12 @@ def failed_lines(report: Report, again: Callable[[str], str]) -> list[str]:
     return [*lines, what, f"  {again(frame_range(to_make))}"]
 
 
-def _frames(frames: str, count: int) -> str:
+def frames_in_words(frames: str, count: int) -> str:
+    """Return "frame 5" or "frames 5-9" for a range and how many frames it holds."""
     return f"frame {frames}" if count == 1 else f"frames {frames}"
 
 
-def _reason(error: FlowabsError) -> str:
+def reason(error: FlowabsError) -> str:
     """Return why a frame failed, without what differs from frame to frame: its number and its file."""
     node = f"node {error.node}: " if error.node is not None else ""
     parameter = f"parameter {error.parameter}: " if error.parameter is not None else ""

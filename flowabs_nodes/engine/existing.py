@@ -52,12 +52,11 @@ def is_stale(path: str, key: str, origin: Origin, existing: str, notes: list[Not
     if existing == "overwrite":
         return True
     if existing == "error":
-        hint = "--existing resume goes on where a run stopped, overwrite replaces"
-        raise WriteError("exists already", code="exists", hint=hint, file=path)
+        raise exists(path)
     found = stored_stamp(path)
     if found is None or found.key != key:
-        if foreign := _foreign(found, origin):
-            raise WriteError(f"exists already and {foreign}", code="foreign-file", hint=_CURE, file=path)
+        if why := foreign(found, origin):
+            raise not_ours(path, why)
         notes.append(Note(f"made again, {path} is of other parameters, another plate or version"))
         return True
     wrong = flaw(path, found.pixels)
@@ -75,7 +74,18 @@ def made_since(path: str, key: str, before: Mapping[str, State]) -> bool:
     return found is not None and found.key == key and not flaw(path, found.pixels)
 
 
-def _foreign(found: Stamp | None, origin: Origin) -> str:
+def exists(path: str) -> WriteError:
+    """Return the error of a file that is there, with ``--existing error``."""
+    hint = "--existing resume goes on where a run stopped, overwrite replaces"
+    return WriteError("exists already", code="exists", hint=hint, file=path)
+
+
+def not_ours(path: str, why: str) -> WriteError:
+    """Return the error of a file that is not this run's to replace."""
+    return WriteError(f"exists already and {why}", code="foreign-file", hint=_CURE, file=path)
+
+
+def foreign(found: Stamp | None, origin: Origin) -> str:
     """Return why a file with this stamp is not this run's to replace; "" where it is."""
     if found is None:
         return "cannot be read: damaged or cut short in its header, or no picture, so nothing says who wrote it"

@@ -15,6 +15,7 @@ from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.options import PathLike, RunOptions
 from flowabs_nodes.engine.plan import file_role, make_plan, sinks
 from flowabs_nodes.engine.sources import file_of, reads_pictures
+from flowabs_nodes.engine.target_files import RealNames, check_folders, refuse_inputs, target_paths
 from flowabs_nodes.engine.unit_params import UnitParams, inputs_on_any_frame
 from flowabs_nodes.errors import CommandError, ReadError, WriteError
 from flowabs_nodes.graph.missing_packages import refuse_missing_packages
@@ -24,15 +25,15 @@ from flowabs_nodes.graph.problems import GraphError
 from flowabs_nodes.io import formats
 from flowabs_nodes.io.sequences import Sequence
 from flowabs_nodes.io.settings import checked
-from flowabs_nodes.io.write_failure import check_writable
 from flowabs_nodes.nodes import catalogue as installed
 from flowabs_nodes.nodes.declare import Node
 
 
-def build_job(graph: Graph, options: RunOptions) -> tuple[Job, tuple[int, ...]]:
+def build_job(graph: Graph, options: RunOptions, *, touch: bool = True) -> tuple[Job, tuple[int, ...]]:
     """Return the job, and the numbers of the frames to render.
 
-    ``options.set`` has been applied to ``graph``; the files that ``options`` name are set here.
+    ``options.set`` has been applied to ``graph``; the files that ``options`` name are set here. Whether the folders of
+    the outputs can be written to is tried by writing, unless ``touch`` is False.
 
     Raises
     ------
@@ -69,11 +70,10 @@ def build_job(graph: Graph, options: RunOptions) -> tuple[Job, tuple[int, ...]]:
         for sequence in (each for name, each in zip(reads, inputs, strict=True) if reads_pictures(graph, name)):
             check_format(sequence)
         numbers = frames_asked_for(options.frames, inputs)
-        targets = _output_paths([Sequence(pattern) for patterns in outputs.values() for pattern in patterns], numbers)
-        for path in targets:
-            checked(path, settings)
-    refuse_inputs(targets, inputs, numbers)
-    check_folders(targets)
+        patterns = [Sequence(pattern) for patterns in outputs.values() for pattern in patterns]
+        targets = target_paths(patterns, numbers, settings, real_names := RealNames())
+    refuse_inputs(targets, inputs, numbers, (graph.source, options.ocio or ""), real_names)
+    check_folders((each.pattern for each in patterns), touch=touch)
     return Job(graph.document, outputs, options.for_frames(), _foreign_nodes(graph)), numbers
 
 
@@ -115,13 +115,14 @@ def _only(graph: Graph, type: str, option: str) -> str:
 def frames_asked_for(frames: str | int | Iterable[int] | None, inputs: list[Sequence]) -> tuple[int, ...]:
     """Return the numbers of the frames asked for, or else of every frame on disk.
 
-    A frame that one input has on disk counts even where another input lacks it, so that its absence is told.
+    A single picture is frame 1, or the number in its name (``move.0004.exr``) if it has one. A frame that one input has
+    on disk counts even where another input lacks it, so that its absence is told.
     """
     if frames is not None:
         return frame_numbers(frames)
     numbered = [sequence for sequence in inputs if sequence.has_token]
     if not numbered:
-        return (1,)
+        return (next((number for each in inputs if (number := each.number_in_name) is not None), 1),)
     on_disk = {number for sequence in numbered for number in sequence.frames_on_disk()}
     if not on_disk:
         patterns = ", ".join(sequence.pattern for sequence in numbered)
@@ -143,58 +144,6 @@ def check_format(sequence: Sequence) -> None:
     expected = formats.check_extension(sequence.pattern)
     if not sequence.has_token and formats.found_in(sequence.pattern) not in (None, expected):
         formats.to_read(sequence.pattern)
-
-
-def _output_paths(outputs: list[Sequence], numbers: tuple[int, ...]) -> list[str]:
-    """Return every file that will be written; raise CommandError where two outputs, or two frames, are one file."""
-    for sequence in outputs:
-        formats.to_write(sequence.pattern)
-        if len(numbers) > 1 and not sequence.has_token:
-            raise CommandError(
-                f"{len(numbers)} frames would go to one file",
-                code="no-frame-token",
-                hint="put #### where the frame number belongs",
-                file=sequence.pattern,
-            )
-    paths = [sequence.path(number) for number in numbers for sequence in outputs]
-    real = [os.path.realpath(path) for path in paths]
-    if len(set(real)) < len(real):
-        twice = next(path for path, each in zip(paths, real, strict=True) if real.count(each) > 1)
-        raise CommandError("two outputs would be this one file", code="same-output", file=twice)
-    return paths
-
-
-def refuse_inputs(targets: list[str], inputs: list[Sequence], numbers: tuple[int, ...]) -> None:
-    """Raise CommandError where a file to write is, through any link, a file that any frame may read."""
-    sources = {
-        os.path.realpath(path)
-        for sequence in inputs
-        for number in {*numbers, *(sequence.frames_on_disk() if sequence.has_token else ())}
-        for path in sequence.paths(number)
-    }
-    identities = {identity for path in sources if (identity := _identity(path))}
-    for path in targets:
-        if os.path.realpath(path) in sources or _identity(path) in identities:
-            raise CommandError("would be written over an input", code="output-is-input", file=path)
-
-
-def _identity(path: str) -> tuple[int, int] | None:
-    """Return device and inode, which are the same for two names of one file; None where there is no file."""
-    try:
-        state = os.stat(path)
-    except (OSError, ValueError):
-        return None
-    return state.st_dev, state.st_ino
-
-
-def check_folders(targets: list[str]) -> None:
-    """Raise CommandError where the folder of a file to write, which need not exist yet, cannot be written to."""
-    for folder in sorted({os.path.dirname(path) or "." for path in targets}):
-        try:
-            check_writable(folder)
-        except WriteError as error:
-            if error.code != "disk-full":  # that is the frames' business: some may be there already
-                raise CommandError(error.message, code="unwritable-folder", file=folder) from error
 
 
 @contextmanager

@@ -102,7 +102,8 @@ class RunOptions:
     timeout
         Seconds that one frame may take; after that its process is ended.
     retries
-        How often a frame is tried again whose process was lost or late.
+        How often a frame is tried again whose process was lost or late, or for which a disk or the network failed for
+        a moment.
     scale
         Above 0 up to 1: filters and writes a smaller picture, with lengths to match.
     root
@@ -174,7 +175,12 @@ class RunOptions:
     )
     retries: int = field(
         default=1,
-        metadata=_flag("How often a frame is tried again whose process was lost.", metavar="N", type=int, min=0),
+        metadata=_flag(
+            "How often a frame is tried again whose process was lost, or whose disk failed for a moment.",
+            metavar="N",
+            type=int,
+            min=0,
+        ),
     )
     scale: float = field(
         default=1.0, metadata=_flag("Filter a smaller picture, with lengths to match: 0.5 is half.", type=float)

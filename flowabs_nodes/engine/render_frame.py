@@ -26,11 +26,12 @@ from flowabs_nodes.engine.sources import Sources, source_contents
 from flowabs_nodes.engine.stopwatch import Stopwatch
 from flowabs_nodes.engine.unit_params import UnitParams
 from flowabs_nodes.errors import FlowabsError
+from flowabs_nodes.io import formats
 from flowabs_nodes.io.claim import claim
 from flowabs_nodes.io.claim_watch import ClaimWatch
 from flowabs_nodes.io.sequences import Sequence
 from flowabs_nodes.io.settings import checked
-from flowabs_nodes.io.write import save
+from flowabs_nodes.io.write import Picture, save
 
 
 @dataclass(frozen=True)
@@ -140,9 +141,13 @@ def _render(
             def warn(text: str) -> None:
                 notes.append(Note(text, node, warning=True))
 
+            picture: Picture = prepared["picture"]
+            if picture.layers and all(formats.to_write(path).display_referred for path in files[node]):
+                names = f"layer{'s' if len(picture.layers) > 1 else ''} {', '.join(picture.layers)}"
+                notes.append(Note(f"left out: {names}, which only an EXR holds (-o FILE.exr, beside others)", node))
             for path in wanted[node]:
                 save(
-                    prepared["picture"],
+                    picture,
                     path,
                     key=of_file[path],
                     graph=document,

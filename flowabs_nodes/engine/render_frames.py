@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
 
@@ -12,9 +13,9 @@ from flowabs_nodes.engine.carry_over import CarryOver
 from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.memory import SHARE, available_memory, give_back_freed_memory, peak_since_reset, reset_peak
 from flowabs_nodes.engine.options import RunOptions
-from flowabs_nodes.engine.render_frame import render_frame
 from flowabs_nodes.engine.report import FrameReport
 from flowabs_nodes.engine.result_store import ResultStore
+from flowabs_nodes.engine.retries import render_with_retries
 from flowabs_nodes.engine.run_events import RunEvents
 from flowabs_nodes.engine.worker_pool import Limits, WorkerPool
 from flowabs_nodes.errors import WriteError
@@ -37,7 +38,7 @@ def render_frames(
     left is worth it: the first one's time is that of loading and compiling too. The pixels are the same in any case.
     """
     limits = _limits(options, len(numbers))
-    rest = list(numbers)
+    rest = deque(numbers)
     peak = made = 0
     if not _needs_processes(options) or not _can_travel(job):
         carried = CarryOver(job.graph, numbers, store)
@@ -45,7 +46,7 @@ def render_frames(
             while rest:
                 stopping.check()
                 reset_peak()
-                report = render_frame(job, rest.pop(0), carried, watch=watch, nodes=tell.nodes)
+                report = render_with_retries(job, rest.popleft(), carried, watch=watch, nodes=tell.nodes)
                 peak = peak_since_reset()
                 yield report
                 if _disk_is_full(report):

@@ -13,10 +13,10 @@ from flowabs_nodes.engine.job_builder import build_job
 from flowabs_nodes.engine.ocio_choice import choose_config
 from flowabs_nodes.engine.options import RunOptions, takes_run_options
 from flowabs_nodes.engine.profile import total_times
-from flowabs_nodes.engine.render_frame import render_frame
 from flowabs_nodes.engine.render_frames import render_frames
 from flowabs_nodes.engine.report import FrameReport, Listener, Note, Report
 from flowabs_nodes.engine.result_store import ResultStore
+from flowabs_nodes.engine.retries import render_with_retries
 from flowabs_nodes.engine.run_events import RunEvents
 from flowabs_nodes.engine.runnable import GraphSource, load_graph
 from flowabs_nodes.engine.shared_sequence import SharedSequence
@@ -134,5 +134,6 @@ def _reports(
         if not shared.leaves(report):
             yield report
     yield from shared.settle(
-        lambda number, left: render_frame(job, number, watch=shared.watch, left=left, nodes=tell.nodes), tell.note
+        lambda number, left: render_with_retries(job, number, watch=shared.watch, left=left, nodes=tell.nodes),
+        tell.note,
     )

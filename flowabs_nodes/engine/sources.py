@@ -23,10 +23,13 @@ if TYPE_CHECKING:
 class Sources:
     """Finds the sources of units that read, each once; ``options.missing`` goes before the node's own policy.
 
-    ``params`` are the units' parameters.
+    ``params`` are the units' parameters. With ``open_files`` False no file is looked into: it is known by its name.
     """
 
-    def __init__(self, graph: Graph, params: Mapping[Unit, Mapping[str, Any]], options: RunOptions) -> None:
+    def __init__(
+        self, graph: Graph, params: Mapping[Unit, Mapping[str, Any]], options: RunOptions, *, open_files: bool = True
+    ) -> None:
+        self._open_files = open_files
         self._graph = graph
         self._params = params
         self._options = options
@@ -50,7 +53,7 @@ class Sources:
                 source = self._sequence(unit).resolve(unit.frame, policy)
                 if source.path is not None:
                     checked(source.path, self._options.settings)
-                    if reads_pictures(self._graph, unit.node):
+                    if self._open_files and reads_pictures(self._graph, unit.node):
                         check_picture(source.path, self._options.settings)
                 self._found[unit] = source
         return self._found[unit]

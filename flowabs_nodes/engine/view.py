@@ -10,10 +10,8 @@ from functools import partial
 from flowabs_nodes.engine.job_builder import (
     as_command_errors,
     as_list,
-    check_folders,
     check_format,
     frames_asked_for,
-    refuse_inputs,
     set_files,
 )
 from flowabs_nodes.engine.ocio_choice import choose_config
@@ -23,6 +21,7 @@ from flowabs_nodes.engine.report import Listener
 from flowabs_nodes.engine.resize import scale_image
 from flowabs_nodes.engine.runnable import GraphSource, RunnableGraph, load_graph
 from flowabs_nodes.engine.sources import file_of, reads_pictures
+from flowabs_nodes.engine.target_files import check_folders, refuse_inputs
 from flowabs_nodes.engine.unit_params import UnitParams, inputs_on_any_frame
 from flowabs_nodes.errors import CommandError, WriteError
 from flowabs_nodes.graph.model import Graph
@@ -107,7 +106,7 @@ def build_view(graph: GraphSource, output: str, options: RunOptions) -> View:
             if reads_pictures(asked, name):
                 check_format(sequence)
         frame = frames_asked_for(options.frames, list(inputs.values()))[0]
-        file = _file(targets, frame, options, list(inputs.values()))
+        file = _file(targets, frame, options, list(inputs.values()), asked.source)
     runnable = load_graph(asked)
     if options.missing is not None:
         policies = [name for name in reads if "missing" in asked.nodes[name].declaration.all_params]
@@ -122,8 +121,11 @@ def _reads(graph: Graph, output: str) -> list[str]:
     return [step.unit.node for step in steps if file_role(graph, step.unit.node) == "input"]
 
 
-def _file(targets: list[str], frame: int, options: RunOptions, inputs: list[Sequence]) -> str:
-    """Return the file that a view goes to, "" where there is none; raise CommandError where it must not be written."""
+def _file(targets: list[str], frame: int, options: RunOptions, inputs: list[Sequence], source: str) -> str:
+    """Return the file that a view goes to, "" where there is none; raise CommandError where it must not be written.
+
+    ``source`` is the file of the graph.
+    """
     if not targets:
         return ""
     if len(targets) > 1:
@@ -133,7 +135,7 @@ def _file(targets: list[str], frame: int, options: RunOptions, inputs: list[Sequ
         hint = "without --view, an EXR holds the numbers themselves" if path.lower().endswith(".exr") else ""
         raise CommandError(f"a view is a {formats.listed(_FORMATS)}", code="bad-format", hint=hint, file=path)
     checked(path, options.settings)
-    refuse_inputs([path], inputs, (frame,))
+    refuse_inputs([path], inputs, (frame,), others=(source, options.ocio or ""))
     check_folders([path])
     _refuse_existing(path, options.existing)
     return path

@@ -19,9 +19,9 @@ from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.memory import peak_since_reset, reset_peak
 from flowabs_nodes.engine.messages import receive, send
 from flowabs_nodes.engine.node_events import NodeEvents
-from flowabs_nodes.engine.render_frame import render_frame
 from flowabs_nodes.engine.report import FrameReport
 from flowabs_nodes.engine.result_store import ResultStore
+from flowabs_nodes.engine.retries import render_with_retries
 from flowabs_nodes.io.claim_watch import ClaimWatch
 from flowabs_nodes.signals import stop_on_signals
 from flowabs_nodes.simd import bands
@@ -101,5 +101,5 @@ def _serve(requests: queue.SimpleQueue[Any], replies: BinaryIO) -> None:
             send(replies, Begun(frame))
             reset_peak()
             with bands.limited(request.threads):
-                report = render_frame(job, frame, carried, watch=watch, nodes=nodes if request.listens else None)
+                report = render_with_retries(job, frame, carried, watch=watch, nodes=nodes if request.listens else None)
             send(replies, Ended(report, peak_since_reset()))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from functools import cache
 
 import numpy as np
@@ -20,6 +19,7 @@ from flowabs_nodes.color.transfers import Sampled
 from flowabs_nodes.errors import ColorError
 from flowabs_nodes.io.formats import Format
 from flowabs_nodes.io.oiio_error import reason
+from flowabs_nodes.io.private_folder import is_full, no_space_in, private_folder
 
 SRGB = "srgb_rec709_scene"
 
@@ -50,27 +50,35 @@ def says(format: Format, data_type: str, encoding: str | Encoding, ocio: Config 
 
     A picture of one pixel is written to see it: what OpenImageIO can write differs from version to version. Others do
     not read the file with the config ``ocio`` in which the encoding has its name, so neither is it read here with it.
+    Raises WriteError where no such picture can be written for want of space.
     """
     if isinstance(encoding, str) and data_type != "float" and find(encoding, ocio).kind == "srgb":
         return True
     spec = oiio.ImageSpec(1, 1, 3, data_type)
     tag(spec, encoding)
-    with tempfile.TemporaryDirectory(prefix="flowabs-") as folder:
+    with private_folder() as folder:
         path = os.path.join(folder, "probe" + format.extensions[0])
         output = oiio.ImageOutput.create(format.oiio_name)
         if output is None or not output.open(path, spec):
             reason(output or oiio)
-            return False
+            return _unless_full(path)
         output.write_image(np.zeros((1, 1, 3), np.float32))
         output.close()
         source = oiio.ImageInput.open(path)
         if source is None:
             reason(oiio)
-            return False
+            return _unless_full(path)
         found = color.detect(source.spec(), display_referred=data_type != "float")
         source.close()
     read = _decoded(found.encoding or found.space.name, None)
     return np.allclose(read, _decoded(encoding, ocio), rtol=0.01, atol=1e-3)
+
+
+def _unless_full(path: str) -> bool:
+    """Return False; raise WriteError where the file could not be written for want of space, which says nothing."""
+    if is_full(path):
+        raise no_space_in(os.path.dirname(os.path.dirname(path)))
+    return False
 
 
 @cache

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Callable, Mapping
 
 import numpy as np
@@ -15,7 +14,7 @@ from flowabs_nodes.color import ocio
 from flowabs_nodes.color.config import opened
 from flowabs_nodes.color.display import DisplayView, to_display
 from flowabs_nodes.color.encoding import Encoding
-from flowabs_nodes.errors import WriteError
+from flowabs_nodes.errors import ReadError, WriteError
 from flowabs_nodes.image import Image
 from flowabs_nodes.io import alpha as alphas
 from flowabs_nodes.io import attributes, color_tags, nonfinite, provenance
@@ -25,6 +24,7 @@ from flowabs_nodes.io.limits import check_display_window
 from flowabs_nodes.io.oiio_error import reason
 from flowabs_nodes.io.output_image import Picture, main_planes
 from flowabs_nodes.io.pixel_hash import decoded_hash
+from flowabs_nodes.io.private_folder import is_full, no_space_in, private_folder
 from flowabs_nodes.io.settings import Settings
 from flowabs_nodes.port_types import pixel_type
 
@@ -50,8 +50,6 @@ def encode_flat(picture: Picture, format: Format, stamps: Mapping[str, str], war
     declared = pixel_type(image.type)
     if not declared.shown:
         raise WriteError(f"{format.name} cannot hold {declared.an_image}; write an EXR", code="bad-format")
-    if picture.layers:
-        warn(f"{format.name} holds one image: layers {', '.join(picture.layers)} are left out")
     if picture.keep_layers:
         warn(f"{format.name} holds one image: the plate's other layers are left out")
     display = image.display_window
@@ -209,7 +207,7 @@ def _keeps_profile(picture: Picture, data_type: str, encoding: str | Encoding | 
 
 def _through_oiio(format: Format, spec: oiio.ImageSpec, pixels: npt.NDArray[np.generic]) -> bytes:
     """Let OpenImageIO, which writes to files only, write a private one; compare its pixels, and return its bytes."""
-    with tempfile.TemporaryDirectory(prefix="flowabs-") as folder:
+    with private_folder() as folder:
         path = os.path.join(folder, "picture" + format.extensions[0])
         output = oiio.ImageOutput.create(format.oiio_name)
         if output is None:
@@ -224,14 +222,22 @@ def _through_oiio(format: Format, spec: oiio.ImageSpec, pixels: npt.NDArray[np.g
         if not wrong and not _holds(path, pixels):
             wrong = "its pixels are not what was written"
         if wrong:
+            if is_full(path):
+                raise no_space_in(os.path.dirname(folder))
             raise WriteError(f"cannot be encoded as {format.name}: {wrong}")
         with open(path, "rb") as file:
-            return file.read()
+            data = file.read()
+        if is_full(path, 1):  # a PNG may lack its last bytes, and its pixels are there all the same
+            raise no_space_in(os.path.dirname(folder))
+        return data
 
 
 def _holds(path: str, pixels: npt.NDArray[np.generic]) -> bool:
-    """Return True if the file's pixels are exactly these, (H, W, C)."""
-    with open_picture(path, Settings(max_pixels=pixels.shape[0] * pixels.shape[1])) as file:
-        names = file.specs[0].channelnames
-        planes = file.read_native(0, names)
+    """Return True if the file's pixels are exactly these, (H, W, C); False too where it cannot be read."""
+    try:
+        with open_picture(path, Settings(max_pixels=pixels.shape[0] * pixels.shape[1])) as file:
+            names = file.specs[0].channelnames
+            planes = file.read_native(0, names)
+    except ReadError:
+        return False
     return np.array_equal(np.stack([planes[name] for name in names], axis=2), pixels)

@@ -19,7 +19,7 @@ import OpenImageIO as oiio
 from flowabs_nodes.errors import ReadError
 from flowabs_nodes.io import formats
 from flowabs_nodes.io.formats import Format
-from flowabs_nodes.io.limits import check_readable, too_large
+from flowabs_nodes.io.limits import MAX_PARTS, check_readable, too_large
 from flowabs_nodes.io.oiio_error import reason
 from flowabs_nodes.io.settings import Settings
 
@@ -59,6 +59,8 @@ def open_picture(path: str | os.PathLike[str], settings: Settings) -> Iterator[P
             raise ReadError(f"not what its name says: {source.format_name()}", code="bad-format", file=name)
         specs: list[oiio.ImageSpec] = []
         while source.seek_subimage(len(specs), 0):
+            if len(specs) == MAX_PARTS:
+                raise ReadError(f"a file of more than {MAX_PARTS:,} parts is not opened", code="too-large", file=name)
             specs.append(oiio.ImageSpec(source.spec()))
         reason(source)  # the last seek was one too far
         if not specs:

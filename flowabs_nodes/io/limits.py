@@ -10,6 +10,11 @@ from flowabs_nodes.io.settings import Settings
 #: A frame may hold this many times ``Settings.max_pixels`` values (pixels x channels).
 CHANNELS_AT_MOST = 8
 
+#: The most channels of a part, and the most parts (pages, subimages) of a file: each of them takes time and memory to
+#: open, before anything is asked for. A picture with every pass of a renderer has some hundreds.
+MAX_CHANNELS = 4096
+MAX_PARTS = 4096
+
 
 def too_large(width: int, height: int, settings: Settings) -> bool:
     """Return True for a picture of more pixels than ``settings.max_pixels``."""

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import re
+from bisect import bisect
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,7 +17,12 @@ from flowabs_nodes.io.settings import refuse_shell_words
 #: The most frames one range may come to.
 MAX_FRAMES = 1_000_000
 
+#: The most digits that a frame number may be padded to.
+MAX_WIDTH = 20
+
 _RANGE = re.compile(r"(-?\d{1,18})(?:-(-?\d{1,18})(?:x(\d{1,18}))?)?")
+#: A frame's number in the name of one picture: digits between dots, before the extension.
+_NUMBER_IN_NAME = re.compile(r"\.(-?\d{1,9})\.[^.]+$")
 #: One # or @ before a digit is none: "icon@2x.png" and "take#2.exr" are names, and 1 before 2 would read as 12.
 _TOKEN = re.compile(r"#{2,}|#(?!\d)|@{2,}|@(?!\d)|%\d*d(?![A-Za-z])|\$F\d*+(?![A-Za-z])")
 
@@ -95,6 +101,12 @@ class Sequence:
         """True for a sequence, False for a single picture."""
         return self._parts is not None
 
+    @property
+    def number_in_name(self) -> int | None:
+        """Return the number that stands between dots before a single picture's extension, as in ``move.0004.exr``."""
+        match = None if self.has_token else _NUMBER_IN_NAME.search(os.path.basename(self.pattern))
+        return int(match[1]) if match else None
+
     @cached_property
     def _parts(self) -> tuple[str, int, str] | None:
         """Return the text before the number, the number's width, and the text after it; None for a single picture."""
@@ -105,6 +117,10 @@ class Sequence:
         if len(tokens) > 1:
             found = " and ".join(token[0] for token in tokens)
             raise CommandError(f"a name has one frame token, found {found}", code="bad-sequence", file=self.pattern)
+        width = int(digits[0]) if (digits := re.search(r"\d{1,9}", tokens[0][0])) else len(tokens[0][0])
+        if width > MAX_WIDTH:
+            text = f"a frame number is padded to at most {MAX_WIDTH} digits, found {width}"
+            raise CommandError(text, code="bad-sequence", file=self.pattern[:200])
         import fileseq  # a parser that single pictures need not wait for
 
         token = tokens[0]
@@ -180,10 +196,11 @@ class Sequence:
             raise ReadError(f"the folder cannot be listed: {error.strerror}", file=self.pattern) from error
         return tuple(sorted(frame for frame in found if frame is not None))
 
-    def resolve(self, frame: int, missing: str = "error") -> Source:
+    def resolve(self, frame: int, missing: str = "error", on_disk: tuple[int, ...] | None = None) -> Source:
         """Return the file to read for ``frame``; ``missing`` is one of :data:`MISSING`.
 
-        Raises ReadError where the file is missing and the policy finds no other.
+        ``on_disk`` is what :meth:`frames_on_disk` returned, where the folder need not be listed again. Raises
+        ReadError where the file is missing and the policy finds no other.
         """
         path = self.path(frame)
         found = self.on_disk(frame)
@@ -191,9 +208,11 @@ class Sequence:
             return Source(found, frame)
         if missing == "skip":
             return Source(None, frame, skip=True)
-        there = self.frames_on_disk() if missing != "error" and self.has_token else ()
-        if missing == "hold":
-            there = tuple(other for other in there if other < frame)
+        there: tuple[int, ...] = ()
+        if missing != "error" and self.has_token:
+            listed = self.frames_on_disk() if on_disk is None else on_disk
+            after = bisect(listed, frame)
+            there = listed[max(0, after - 1) : after + (missing != "hold")]
         if not there:
             message, hint = "no such file", ""
             if missing == "hold" and self.has_token:

@@ -46,12 +46,27 @@ def check_replaceable(path: str | os.PathLike[str]) -> None:
 
 def check_writable(folder: str | os.PathLike[str]) -> None:
     """Raise WriteError where no file could be made in ``folder``, or in the nearest folder above that exists."""
-    place = Path(folder)
-    while not place.exists() and place != place.parent:
-        place = place.parent
+    place = _nearest(folder)
     probe = place / f".flowabs.{HOST}.{secrets.token_hex(8)}.probe"
     try:
         os.close(os.open(probe, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600))
         os.unlink(probe)
     except OSError as error:
         raise failure(error, folder) from error
+
+
+def check_access(folder: str | os.PathLike[str]) -> None:
+    """Raise WriteError as :func:`check_writable` does, from permissions alone: nothing is made, not for a moment."""
+    place = _nearest(folder)
+    if not place.is_dir():
+        raise failure(NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR)), folder)
+    if not os.access(place, os.W_OK | os.X_OK):
+        raise failure(PermissionError(errno.EACCES, os.strerror(errno.EACCES)), folder)
+
+
+def _nearest(folder: str | os.PathLike[str]) -> Path:
+    """Return a folder, or the nearest one above it that exists."""
+    place = Path(folder)
+    while not place.exists() and place != place.parent:
+        place = place.parent
+    return place

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+import signal
 from collections.abc import Iterable
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
@@ -64,7 +65,9 @@ def _load() -> tuple[MappingProxyType[str, Node], MappingProxyType[str, str]]:
         where = f"{_package(point)}: {point.name}"
         try:
             added = _load_nodes(point)
-        except Exception as error:  # noqa: BLE001 - another package's import may fail in any way; it is reported, not hidden
+        except BaseException as error:  # another package may fail in any way when it is imported, by sys.exit too
+            if isinstance(error, KeyboardInterrupt) and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+                raise  # somebody pressed Ctrl-C
             problems[where] = f"{type(error).__name__}: {error}"
             continue
         wrong = [fault for node in added for fault in faults(node)]

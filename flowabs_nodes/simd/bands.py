@@ -10,15 +10,18 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor, wait
+from concurrent.futures import Future, wait
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from flowabs_nodes import stopping
 from flowabs_nodes.simd.read_only import for_kernel
+
+if TYPE_CHECKING:
+    from concurrent.futures import ThreadPoolExecutor
 
 _BANDS = 8  # bands for each thread, so that a thread that is done early takes another
 
@@ -120,7 +123,7 @@ def over_rows(kernel: Callable[..., Any], height: int, *arguments: Any, least: i
                 return
             results[band] = kernel(edges[band], edges[band + 1], *arguments)
 
-    helpers = [_pool(os.getpid(), threads - 1).submit(work) for _ in range(min(threads, bands) - 1)]
+    helpers = _start_helpers(work, threads - 1, min(threads, bands) - 1)
     try:
         work()
     finally:
@@ -134,7 +137,34 @@ def over_rows(kernel: Callable[..., Any], height: int, *arguments: Any, least: i
     return results
 
 
+def _start_helpers(work: Callable[[], None], threads: int, count: int) -> list[Future[None]]:
+    """Have ``work`` called by ``count`` threads of a pool of ``threads`` beside this one; return what becomes of each.
+
+    Where no thread can be had (the main thread has ended, or the system has no more) there are fewer, or none: whoever
+    calls works on its own then.
+    """
+    helpers: list[Future[None]] = []
+    with suppress(RuntimeError):
+        for _ in range(count):
+            # Made here: a pool that cannot start a thread keeps what it was to do, and may yet do it.
+            helpers.append(Future())
+            _pool(os.getpid(), threads).submit(_fulfil, helpers[-1], work)
+    return helpers
+
+
+def _fulfil(helper: Future[None], work: Callable[[], None]) -> None:
+    """Call ``work`` unless ``helper`` has been cancelled, and note there what became of it."""
+    if helper.set_running_or_notify_cancel():
+        try:
+            work()
+            helper.set_result(None)
+        except BaseException as error:  # noqa: BLE001 - raised again by whoever asks for the result
+            helper.set_exception(error)
+
+
 @cache
 def _pool(process: int, threads: int) -> ThreadPoolExecutor:
     """Return a pool of threads, the same for each call of one ``process``: after a fork the threads are gone."""
+    from concurrent.futures import ThreadPoolExecutor  # which Python refuses to import once the main thread has ended
+
     return ThreadPoolExecutor(threads, thread_name_prefix="flowabs")

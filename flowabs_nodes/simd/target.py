@@ -17,6 +17,7 @@ ASKED = ("", "auto", "avx512", "portable")  # what FLOWABS_SIMD may be
 
 def kernel_path() -> str:
     """ "avx512" or "portable": what ``FLOWABS_SIMD`` asks for, or else ("" or "auto") what the processor has."""
+    _refuse_settings_of_numba()
     asked = os.environ.get("FLOWABS_SIMD", "")
     if asked not in ASKED:
         expected = f"expected {', '.join(ASKED[1:])} or nothing"
@@ -29,9 +30,20 @@ def kernel_path() -> str:
     return "avx512" if there else "portable"
 
 
+def _refuse_settings_of_numba() -> None:
+    """Raise CommandError for a variable by which numba could not be imported, or would compile nothing."""
+    threads = os.environ.get("NUMBA_NUM_THREADS", "").strip()
+    if threads.lstrip("+-").isdecimal() and int(threads) < 1:
+        raise CommandError(f"NUMBA_NUM_THREADS: expected a whole number from 1 up, found {threads!r}")
+    interpreted = os.environ.get("NUMBA_DISABLE_JIT", "").strip()
+    if interpreted.lstrip("+-").isdecimal() and int(interpreted):
+        raise CommandError("NUMBA_DISABLE_JIT: kernels cannot run without being compiled", hint="unset it")
+
+
 def _features() -> set[str]:
     """Return the processor features that numba compiles for."""
-    told = os.environ.get("NUMBA_CPU_FEATURES")
+    generic = os.environ.get("NUMBA_CPU_NAME", "").lower() == "generic"
+    told = os.environ.get("NUMBA_CPU_FEATURES", "" if generic else None)
     if told is not None:
         return {name[1:] for name in told.split(",") if name.startswith("+")}
     there = {name for name, has in binding.get_host_cpu_features().items() if has}

@@ -193,3 +193,30 @@ def test_signals(shot, out, number, code):
         report = run(shot, out, graph_around(kill))
     assert report.exit_code == code
     assert signal.getsignal(number) is before
+
+
+@pytest.mark.parametrize(
+    ("outputs", "said"),
+    [
+        (["o.####.exr"], []),
+        (["o.####.png"], ["layer ink"]),
+        (["o.####.png", "o.####.exr"], []),
+        (["o.####.tif"], ["layer ink"]),
+    ],
+)
+def test_layers_that_no_output_holds_are_told_once(shot, tmp_path, outputs, said):
+    layered = document(out={"type": "write@1", "inputs": {"image": "bright", "ink": "plate"}})
+    events = []
+    report = run(shot, [str(tmp_path / "out" / name) for name in outputs], layered, on_event=events.append)
+    assert report.exit_code == 0
+    told = [event["text"] for event in events if event["event"] == "note" and "left out: layer" in event["text"]]
+    assert [text.split(", which")[0].removeprefix("left out: ") for text in told] == said
+
+
+def test_a_single_picture_is_the_frame_that_its_name_says(tmp_path):
+    plate(tmp_path / "move.0004.exr")
+    report = run(tmp_path / "move.0004.exr", str(tmp_path / "out.####.exr"))
+    assert statuses(report) == [(4, "done")]
+    assert (tmp_path / "out.0004.exr").exists()
+    plate(tmp_path / "move.exr")
+    assert statuses(run(tmp_path / "move.exr", str(tmp_path / "other.####.exr"))) == [(1, "done")]

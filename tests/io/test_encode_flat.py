@@ -164,8 +164,7 @@ def test_stamps_and_metadata(tmp_path: Path, suffix: str) -> None:
 def test_what_does_not_fit(tmp_path: Path) -> None:
     image = read_image(windowed(tmp_path / "plate.exr"))
     _, warned = written(image, tmp_path / "out.png", layers={"ink": image}, keep_layers="*")
-    assert "layers ink are left out" in warned[0]
-    assert "other layers are left out" in warned[1]
+    assert "other layers are left out" in warned[0]
     flow = image.with_pixels(image.pixels[..., :2], "flow")
     for wrong in (flow, read_data(tmp_path / "plate.exr")):
         with pytest.raises(WriteError, match="write an EXR") as caught:

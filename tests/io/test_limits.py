@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import resource
+import struct
 from pathlib import Path
 
 import numpy as np
@@ -42,3 +44,76 @@ def test_what_is_written_has_the_same_limit() -> None:
     with pytest.raises(WriteError, match="11x10 is too large") as caught:
         check_display_window(11, 10, settings)
     assert caught.value.code == "too-large"
+
+
+def exr_of_channels(path: Path, count: int) -> Path:
+    """Write an EXR, 2 x 2 half, uncompressed, of so many channels, byte by byte."""
+
+    def attribute(name: bytes, kind: bytes, value: bytes) -> bytes:
+        return name + b"\0" + kind + b"\0" + struct.pack("<I", len(value)) + value
+
+    names = b"".join(b"c%06d\0" % index + struct.pack("<iBxxxii", 1, 0, 1, 1) for index in range(count)) + b"\0"
+    box = struct.pack("<4i", 0, 0, 1, 1)
+    header = b"\x76\x2f\x31\x01\2\0\0\0" + attribute(b"compression", b"compression", b"\0")
+    header += attribute(b"channels", b"chlist", names) + attribute(b"dataWindow", b"box2i", box)
+    header += attribute(b"displayWindow", b"box2i", box) + attribute(b"lineOrder", b"lineOrder", b"\0")
+    header += attribute(b"pixelAspectRatio", b"float", struct.pack("<f", 1))
+    header += attribute(b"screenWindowCenter", b"v2f", bytes(8))
+    header += attribute(b"screenWindowWidth", b"float", struct.pack("<f", 1)) + b"\0"
+    row = struct.pack("<i", 4 * count) + bytes(4 * count)
+    first = len(header) + 16
+    rows = [struct.pack("<i", y) + row for y in (0, 1)]
+    path.write_bytes(header + struct.pack("<QQ", first, first + len(rows[0])) + b"".join(rows))
+    return path
+
+
+def tiff_of_pages(path: Path, count: int) -> Path:
+    """Write a TIFF of so many grey pages, 2 x 2, which all have the same four bytes for pixels."""
+    tags = [(256, 2), (257, 2), (258, 8), (259, 1), (262, 1), (273, 8), (277, 1), (278, 2), (279, 4)]
+    entries = b"".join(struct.pack("<HHII", tag, 4, 1, value) for tag, value in tags)
+    size = 2 + len(entries) + 4
+    pages = [
+        struct.pack("<H", len(tags)) + entries + struct.pack("<I", 12 + size * (page + 1) if page < count - 1 else 0)
+        for page in range(count)
+    ]
+    path.write_bytes(b"II*\0" + struct.pack("<I", 12) + bytes(4) + b"".join(pages))
+    return path
+
+
+def jpeg_of_size(path: Path, side: int) -> Path:
+    """Write a JPEG of 16 x 16 whose header says ``side`` x ``side``."""
+    spec = oiio.ImageSpec(16, 16, 3, "uint8")
+    buf = oiio.ImageBuf(spec)
+    assert buf.write(str(path)), buf.geterror()
+    content = bytearray(path.read_bytes())
+    at = content.index(b"\xff\xc0") + 5
+    content[at : at + 4] = struct.pack(">HH", side, side)
+    path.write_bytes(content)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("make", "extension", "count", "code"),
+    [
+        (exr_of_channels, "exr", 100_000, "too-large"),
+        (exr_of_channels, "exr", 4097, "too-large"),
+        (tiff_of_pages, "tif", 60_000, "too-large"),
+        (jpeg_of_size, "jpg", 11_500, "damaged"),
+    ],
+)
+def test_a_file_that_says_more_than_it_can_hold_is_refused_at_once(tmp_path, make, extension, count, code):
+    path = make(tmp_path / f"hostile.{extension}", count)
+    for read in (read_image, read_data):
+        before = resource.getrusage(resource.RUSAGE_SELF)
+        with pytest.raises(ReadError) as caught:
+            read(path)
+        after = resource.getrusage(resource.RUSAGE_SELF)
+        assert caught.value.code == code
+        assert after.ru_utime - before.ru_utime < 2
+        assert after.ru_maxrss - before.ru_maxrss < 300_000
+
+
+def test_what_is_just_within_the_limits_is_read(tmp_path):
+    assert read_data(exr_of_channels(tmp_path / "many.exr", 40)).channels == tuple(f"c{i:06d}" for i in range(40))
+    assert read_image(tiff_of_pages(tmp_path / "pages.tif", 100)).pixels.shape[:2] == (2, 2)
+    assert read_image(jpeg_of_size(tmp_path / "good.jpg", 16)).pixels.shape[:2] == (16, 16)

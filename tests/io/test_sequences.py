@@ -184,6 +184,25 @@ def test_frames_of_another_width_are_named(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("name", "number"),
+    [
+        ("move.0004.exr", 4),
+        ("shot/move.1001.png", 1001),
+        ("move.-12.exr", -12),
+        ("move.0004", None),
+        ("move_0004.exr", None),
+        ("move.v2.exr", None),
+        ("2024.exr", None),
+        ("a.7.b.exr", None),
+        ("move.####.exr", None),
+        ("move.12345678901.exr", None),
+    ],
+)
+def test_the_number_of_a_single_picture(name, number):
+    assert Sequence(name).number_in_name == number
+
+
+@pytest.mark.parametrize(
     ("text", "example"),
     [("1001-1100:2", "1001-1100x2"), ("5,-5--1:2", "-5--1x2"), (":", "1-10x4"), ("1-9:0", "1-10x4")],
 )
@@ -191,3 +210,9 @@ def test_a_step_with_a_colon_is_refused_and_written_with_x(text: str, example: s
     with pytest.raises(CommandError) as caught:
         parse_frames(text)
     assert f"with x: {example};" in caught.value.hint
+
+
+@pytest.mark.parametrize("token", ["%0999d", "$F99999999", "#" * 300, "%021d"])
+def test_a_number_of_too_many_digits_is_refused_at_once(token):
+    with pytest.raises(CommandError, match="at most 20 digits"):
+        Sequence(f"out/a.{token}.exr").path(1)

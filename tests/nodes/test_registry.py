@@ -102,3 +102,21 @@ def test_the_catalogue_needs_no_kernels():
     code = "import sys, flowabs_nodes.nodes as n; n.catalogue(); print({'numba', 'colour'} & set(sys.modules))"
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert result.stdout.strip() == "set()"
+
+
+@pytest.mark.parametrize(
+    "statement", ["import sys; sys.exit(0)", "raise SystemExit", "raise BaseException('no')", "raise GeneratorExit"]
+)
+def test_a_package_that_ends_the_process_when_it_is_imported_is_left_out(installed, tmp_path, statement):
+    (tmp_path / "ending_for_tests.py").write_text(statement, encoding="utf-8")
+    sys.modules.pop("ending_for_tests", None)
+    installed(bad="ending_for_tests:NODE", good="ONE")
+    assert "plugin_one" in nodes.catalogue()
+    assert list(nodes.load_problems()) == ["ending_for_tests: bad"]
+
+
+def test_ctrl_c_while_a_package_is_imported_is_not_held_back(installed, tmp_path):
+    (tmp_path / "interrupted_for_tests.py").write_text("raise KeyboardInterrupt", encoding="utf-8")
+    installed(bad="interrupted_for_tests:NODE")
+    with pytest.raises(KeyboardInterrupt):
+        nodes.catalogue()

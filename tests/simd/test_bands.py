@@ -199,3 +199,53 @@ def test_what_a_container_grants(tmp_path, own, files, expected):
 
 def test_where_there_are_no_control_groups(tmp_path):
     assert bands._granted(tmp_path, tmp_path / "none") == np.inf
+
+
+_SUMS = """
+import threading
+from flowabs_nodes.simd import bands
+
+def total():
+    with bands.limited(4):
+        return sum(bands.over_rows(lambda first, last: last - first, 300))
+"""
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        # As the last line of a script: the main thread ends while, or before, the bands run.
+        "threading.Thread(target=lambda: (time.sleep(0.3), print(total()))).start()",
+        "atexit.register(lambda: print(total()))",
+        "total(); atexit.register(lambda: print(total()))",
+        "threading.Thread(target=lambda: (total(), time.sleep(0.3), print(total()))).start()",
+        'def refuse(self): raise RuntimeError("can\'t start new thread")\n'
+        "threading.Thread.start = refuse\nprint(total())",
+    ],
+)
+def test_where_no_thread_can_be_had_the_bands_run_in_this_one(code):
+    use = {**os.environ, "PYTHONPATH": str(PACKAGE)}
+    code = f"import atexit, time\n{_SUMS}\n{code}"
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=use, timeout=60, check=False, capture_output=True, text=True
+    )
+    assert (done.stdout, done.stderr) == ("300\n", "")
+
+
+def test_a_thread_that_could_not_be_started_does_no_work_after_its_call_has_returned(monkeypatch):
+    """The pool's queue keeps what it was asked for when a thread cannot start."""
+    calls = []
+    start = threading.Thread.start
+
+    def refuse(thread):
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr(threading.Thread, "start", refuse)
+    with bands.limited(7):
+        bands.over_rows(lambda first, last: calls.append(first), 700)
+    monkeypatch.setattr(threading.Thread, "start", start)
+    before = len(calls)
+    with bands.limited(7):
+        results = bands.over_rows(lambda first, last: last - first, 700)
+    assert sum(results) == 700
+    assert len(calls) == before

@@ -57,3 +57,19 @@ def test_avx512_cannot_be_asked_for_where_it_is_not(processor):
     processor([], FLOWABS_SIMD="avx512")
     with pytest.raises(CommandError, match="no AVX-512"):
         kernel_path()
+
+
+@pytest.mark.parametrize(
+    ("variable", "value"), [("NUMBA_NUM_THREADS", "0"), ("NUMBA_NUM_THREADS", "-2"), ("NUMBA_DISABLE_JIT", "1")]
+)
+def test_settings_of_numba_that_no_kernel_can_run_with_are_refused_by_name(monkeypatch, variable, value):
+    monkeypatch.setenv(variable, value)
+    with pytest.raises(CommandError, match=variable):
+        kernel_path()
+
+
+def test_a_generic_processor_has_no_avx512(monkeypatch):
+    monkeypatch.delenv("FLOWABS_SIMD", raising=False)
+    monkeypatch.delenv("NUMBA_CPU_FEATURES", raising=False)
+    monkeypatch.setenv("NUMBA_CPU_NAME", "generic")
+    assert kernel_path() == "portable"

@@ -84,6 +84,7 @@ def to_read(path: str | os.PathLike[str]) -> Format:
     if found is not expected:
         what = f"it is {found.article} {found.name} file" if found else "it does not begin as one does"
         raise ReadError(f"not {expected.article} {expected.name} file: {what}", code="bad-format", file=name)
+    expected.look(name)
     return expected
 
 

@@ -68,6 +68,9 @@ class Format:
     reader
         Given the headers that OpenImageIO could read and its complaint, returns who opens the file instead, as
         "module:class" called with (path, format, settings); "" leaves the file to OpenImageIO.
+    look
+        Given the path of a file that begins as one of this format, raises ReadError where opening it would take much
+        time or memory for nothing.
     check
         Given the path of a file that OpenImageIO could open, raises ReadError where OpenImageIO would read wrong pixels
         without a complaint.
@@ -107,6 +110,7 @@ class Format:
     oriented: bool = True
     integers: Literal["normalized", "exact"] = "normalized"
     reader: Callable[[Sequence[oiio.ImageSpec], str], str] = _openimageio_reads
+    look: Callable[[str], None] = _all_is_read
     check: Callable[[str], None] = _all_is_read
     complete: Callable[[str, oiio.ImageSpec], None] = _all_is_in_the_header
 
