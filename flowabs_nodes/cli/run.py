@@ -14,7 +14,6 @@ from flowabs_nodes.cli.run_flags import with_run_options
 from flowabs_nodes.engine.options import RunOptions
 from flowabs_nodes.errors import FlowabsError
 
-
 #: Where a context holds the words after "flowabs run".
 _WORDS = "flowabs.words"
 
