@@ -26,6 +26,7 @@ from flowabs_nodes.cli.graph_listing import graphs
 from flowabs_nodes.cli.listings import nodes, schema
 from flowabs_nodes.cli.run import run
 from flowabs_nodes.cli.streams import safe_streams
+from flowabs_nodes.cli.submit import openjd_task, submit
 from flowabs_nodes.engine.error_boundary import InternalError
 from flowabs_nodes.errors import FlowabsError, ReadError, WriteError
 from flowabs_nodes.signals import stop_on_signals
@@ -56,7 +57,7 @@ def cli() -> None:
     """
 
 
-for command in (run, check, nodes, schema, graphs, colorspaces):
+for command in (run, check, nodes, schema, graphs, colorspaces, submit, openjd_task):
     cli.add_command(command)
 
 
@@ -67,7 +68,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     output cannot be printed has failed, unless it makes frames: these are made, and the exit code tells of them alone.
     """
     words = sys.argv[1:] if arguments is None else list(arguments)
-    makes_frames = words[:1] == ["run"]
+    makes_frames = words[:1] in (["run"], ["openjd-task"])
     with safe_streams(readers_may_leave=not makes_frames) as out:
         code = _exit_code(words)
     lost = bool(out.trouble) and not out.reader_left and not makes_frames

@@ -1,0 +1,1 @@
+"""Writes what hands a run to a render farm."""
