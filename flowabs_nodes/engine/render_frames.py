@@ -13,7 +13,7 @@ from flowabs_nodes.engine.carry_over import CarryOver
 from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.memory import SHARE, available_memory, give_back_freed_memory, peak_since_reset, reset_peak
 from flowabs_nodes.engine.options import RunOptions
-from flowabs_nodes.engine.report import FrameReport
+from flowabs_nodes.engine.report import FrameReport, Note
 from flowabs_nodes.engine.result_store import ResultStore
 from flowabs_nodes.engine.retries import render_with_retries
 from flowabs_nodes.engine.run_events import RunEvents
@@ -40,7 +40,11 @@ def render_frames(
     limits = _limits(options, len(numbers))
     rest = deque(numbers)
     peak = made = 0
-    if not _needs_processes(options) or not _can_travel(job):
+    travels = _can_travel(job)
+    if not travels and _needs_processes(options):
+        text = "frames are rendered in this process, one at a time and without a time limit: no other process can have"
+        tell.note(Note(f"{text} its nodes", warning=True))
+    if not travels or not _needs_processes(options):
         carried = CarryOver(job.graph, numbers, store)
         with bands.limited(limits.threads) if options.threads is not None else nullcontext():
             while rest:
@@ -53,7 +57,7 @@ def render_frames(
                     yield from _not_made(rest)
                     return
                 made += report.status == "done"
-                if made > 1 and report.status == "done" and _pays(report.seconds, rest, limits) and _can_travel(job):
+                if travels and made > 1 and report.status == "done" and _pays(report.seconds, rest, limits):
                     break
         del carried
         give_back_freed_memory()

@@ -63,15 +63,20 @@ def test_little_work_stays_here(shot, tmp_path, in_processes):
     assert not in_processes
 
 
-def test_nodes_that_a_script_made_up_stay_here(shot, tmp_path, in_processes):
+@pytest.mark.parametrize("options", [{}, {"jobs": 2}, {"timeout": 60}])
+def test_nodes_that_a_script_made_up_stay_here_and_what_that_means_is_said(shot, tmp_path, in_processes, options):
     seen = []
 
     def look(context, image):
         seen.append(context.frame)
         return image
 
-    assert statuses(run(shot, str(tmp_path / "out/o.####.exr"), graph_around(look), jobs=2)) == ALL_DONE
+    events = []
+    report = run(shot, str(tmp_path / "out/o.####.exr"), graph_around(look), on_event=events.append, **options)
+    assert statuses(report) == ALL_DONE
     assert seen == list(FRAMES)
+    warned = [event["text"] for event in events if event["event"] == "note" and event["level"] == "warning"]
+    assert sum("rendered in this process" in text for text in warned) == (1 if options else 0)
     assert not in_processes
 
 
