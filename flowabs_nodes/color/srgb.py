@@ -14,6 +14,7 @@ _LINEAR_BREAK = np.float32(0.0031308)
 _CODE_BREAK = np.float32(0.0031308 * 12.92)
 
 _LEAST = 2**15  # values that are worth a thread
+_MOST = 2**20
 
 
 def linear(codes: Array) -> Array:
@@ -45,5 +46,5 @@ def _in_bands(curve: Callable[[Array], Array], values: Array) -> Array:
     def fill(first: int, last: int) -> None:
         run[first:last] = curve(source[first:last])
 
-    over_rows(fill, source.size, least=_LEAST)
+    over_rows(fill, source.size, least=_LEAST, most=_MOST)
     return result

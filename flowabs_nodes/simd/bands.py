@@ -23,7 +23,8 @@ from flowabs_nodes.simd.read_only import for_kernel
 if TYPE_CHECKING:
     from concurrent.futures import ThreadPoolExecutor
 
-_BANDS = 8  # bands for each thread, so that a thread that is done early takes another
+_BANDS = 8  # bands for each thread at least, so that a thread that is done early takes another
+_MOST = 32  # rows in a band at most: work that is asked to stop ends after the bands that have begun
 
 _limit: ContextVar[int | None] = ContextVar("flowabs_threads", default=None)
 
@@ -85,7 +86,7 @@ def limited(threads: int) -> Iterator[None]:
         _limit.reset(token)
 
 
-def over_rows(kernel: Callable[..., Any], height: int, *arguments: Any, least: int = 8) -> list[Any]:
+def over_rows(kernel: Callable[..., Any], height: int, *arguments: Any, least: int = 8, most: int = _MOST) -> list[Any]:
     """Call ``kernel(first, last, *arguments)`` for bands of rows that together are the rows 0 .. height - 1.
 
     Parameters
@@ -99,6 +100,8 @@ def over_rows(kernel: Callable[..., Any], height: int, *arguments: Any, least: i
         (:mod:`~flowabs_nodes.simd.read_only`).
     least
         How many rows a band has at least, unless the picture has fewer.
+    most
+        How many rows a band has at most, where ``least`` allows it.
 
     Returns
     -------
@@ -110,7 +113,7 @@ def over_rows(kernel: Callable[..., Any], height: int, *arguments: Any, least: i
     stopping.check()
     flags = stopping.flags()
     threads = thread_count()
-    bands = 1 if threads == 1 else max(1, min(_BANDS * threads, height // least))
+    bands = max(1, min(max(_BANDS * threads, -(-height // most)), height // least))
     edges = [height * band // bands for band in range(bands + 1)]
     results: list[Any] = [None] * bands
     arguments = tuple(map(for_kernel, arguments))

@@ -18,6 +18,7 @@ from flowabs_nodes.simd.jit import inlined
 from flowabs_nodes.simd.lanes import LANES, Floats, any_lane, bits_of
 
 _LEAST = 256  # blocks in a band at least: a shorter one is not worth another thread
+_MOST = 2**13  # and at most: work that is asked to stop ends with the band
 
 
 def as_run(picture: Array, channels: int = 1) -> Array:
@@ -45,7 +46,7 @@ def over_pixels(kernel: Callable[..., Any], pixels: int, *arguments: Any) -> lis
 
     Returns a list of the kernel's results, one for each range (:func:`~flowabs_nodes.simd.bands.over_rows`).
     """
-    return over_rows(kernel, -(-pixels // LANES), *arguments, least=_LEAST)
+    return over_rows(kernel, -(-pixels // LANES), *arguments, least=_LEAST, most=_MOST)
 
 
 @inlined

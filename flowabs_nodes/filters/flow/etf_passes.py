@@ -97,7 +97,7 @@ def smooth(
         halos = halos_of(passes, now)
         tiles = tiles_of(height, columns, max(TILE_COLUMNS, TILE_TO_HALO * int(halos[0, 0])))
         plan = plan_of(passes, tiles, halos)
-        over_rows(_smooth, len(tiles), plan, passes, field, fixed, smoothed.reshape(-1), least=1)
+        over_rows(_smooth, len(tiles), plan, passes, field, fixed, smoothed.reshape(-1), least=1, most=1)
         tangent, smoothed, iterations = smoothed, tangent, iterations - now
     return np.ascontiguousarray(tangent[:, :width])
 

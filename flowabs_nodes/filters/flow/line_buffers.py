@@ -19,6 +19,8 @@ from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import LANES, splat_ints
 from flowabs_nodes.simd.memory import store
 
+_TILE_ROWS = 1080  # at most: work that is asked to stop ends after the tiles that have begun
+
 
 class LineBuffers(NamedTuple):
     """What the passes of a tile hand to each other, each array flattened; "steps" are all passes of all iterations."""
@@ -68,6 +70,7 @@ def tiles_of(height: int, width: int, columns: int) -> Int64:
     strips = max(-(-width // columns), min(threads, width // 128), 1)
     equal = threads // math.gcd(strips, threads)  # bands that give each thread as many tiles; many tiles do so as well
     bands = max(1, min(equal, -(-4 * threads // strips), height // 128))
+    bands *= -(-height // (bands * _TILE_ROWS))
     whole = whole_vectors(-(-width // strips))
     lefts = [left for left in range(0, width, whole) if width - left >= LANES]  # the last tile may be wider
     return np.array(

@@ -11,10 +11,13 @@ import numpy as np
 import numpy.typing as npt
 
 from flowabs_nodes.array_types import Array, Float64, Int64
+from flowabs_nodes.simd.bands import limited, over_rows
 from flowabs_nodes.simd.jit import inlined, kernel
 
+Covered = npt.NDArray[np.bool_]
 
-def flatten_regions(image: Array, covered: npt.NDArray[np.bool_], limit: float, min_region: int) -> None:
+
+def flatten_regions(image: Array, covered: Covered, limit: float, min_region: int) -> None:
     """Give every region the mean of its colours, in place, after merging regions of fewer than ``min_region`` pixels.
 
     Neighbouring pixels (4-connected) belong to one region where their colours differ by at most ``limit``. In rounds,
@@ -32,16 +35,28 @@ def flatten_regions(image: Array, covered: npt.NDArray[np.bool_], limit: float, 
     min_region
         Fewest pixels of a region.
     """
-    _flatten(image, covered, float(limit), min_region)
-
-
-@kernel
-def _flatten(image: Array, covered: npt.NDArray[np.bool_], limit: float, min_region: int) -> None:
-    """Do the work of :func:`flatten_regions`, on one thread: each round depends on the one before."""
     height, width, _ = image.shape
     count = height * width
     parent = np.arange(count)
-    for y in range(height):
+    size, total = np.zeros(count, np.int64), np.zeros((count, 3))
+    # Of each small region's root: the root of its nearest neighbour, and their squared distance in colour.
+    nearest, distance = np.empty(count, np.int64), np.empty(count)
+    with limited(1):  # each region depends on those before it: row by row, where it may be asked to stop
+        over_rows(_join_alike, height, image, covered, float(limit), parent)
+        over_rows(_add_up, height, image, parent, size, total)
+        merged = True
+        while merged:
+            nearest[:], distance[:] = -1, np.inf
+            over_rows(_find_nearest, height, covered, parent, size, total, min_region, nearest, distance)
+            merged = any(over_rows(_join_nearest, height, width, parent, size, total, nearest))
+        over_rows(_paint, height, image, covered, parent, size, total)
+
+
+@kernel
+def _join_alike(first: int, last: int, image: Array, covered: Covered, limit: float, parent: Int64) -> None:
+    """Join each covered pixel of the rows ``first`` .. ``last`` - 1 with the next ones right and below, if alike."""
+    height, width, _ = image.shape
+    for y in range(first, last):
         for x in range(width):
             i = y * width + x
             if x + 1 < width and covered[y, x] and covered[y, x + 1] and _alike(image[y, x], image[y, x + 1], limit):
@@ -49,35 +64,62 @@ def _flatten(image: Array, covered: npt.NDArray[np.bool_], limit: float, min_reg
             if y + 1 < height and covered[y, x] and covered[y + 1, x] and _alike(image[y, x], image[y + 1, x], limit):
                 _union(parent, i, i + width)
 
-    size, total = np.zeros(count, np.int64), np.zeros((count, 3))
-    for i in range(count):
+
+@kernel
+def _add_up(first: int, last: int, image: Array, parent: Int64, size: Int64, total: Float64) -> None:
+    """Add the pixels of the rows ``first`` .. ``last`` - 1 to the size and the colour of their regions."""
+    width = image.shape[1]
+    for i in range(first * width, last * width):
         _add(parent, i, image[i // width, i % width], size, total)
 
-    # Of each small region's root: the root of its nearest neighbour, and their squared distance in colour.
-    nearest, distance = np.empty(count, np.int64), np.empty(count)
-    merged = True
-    while merged:
-        nearest[:], distance[:] = -1, np.inf
-        for y in range(height):
-            for x in range(width):
-                i = y * width + x
-                if x + 1 < width and covered[y, x] and covered[y, x + 1]:
-                    _compare(_root(parent, i), _root(parent, i + 1), size, total, min_region, nearest, distance)
-                if y + 1 < height and covered[y, x] and covered[y + 1, x]:
-                    _compare(_root(parent, i), _root(parent, i + width), size, total, min_region, nearest, distance)
-        merged = False
-        for i in range(count):
-            if nearest[i] >= 0:
-                a, b = _root(parent, i), _root(parent, nearest[i])
-                if a != b:
-                    _union(parent, a, b)
-                    kept, gone = min(a, b), max(a, b)
-                    size[kept] += size[gone]
-                    for c in range(3):
-                        total[kept, c] += total[gone, c]
-                    merged = True
 
-    for y in range(height):
+@kernel
+def _find_nearest(
+    first: int,
+    last: int,
+    covered: Covered,
+    parent: Int64,
+    size: Int64,
+    total: Float64,
+    min_region: int,
+    nearest: Int64,
+    distance: Float64,
+) -> None:
+    """Compare each region with its neighbours in the rows ``first`` .. ``last`` - 1, and below the last."""
+    height, width = covered.shape
+    for y in range(first, last):
+        for x in range(width):
+            i = y * width + x
+            if x + 1 < width and covered[y, x] and covered[y, x + 1]:
+                _compare(_root(parent, i), _root(parent, i + 1), size, total, min_region, nearest, distance)
+            if y + 1 < height and covered[y, x] and covered[y + 1, x]:
+                _compare(_root(parent, i), _root(parent, i + width), size, total, min_region, nearest, distance)
+
+
+@kernel
+def _join_nearest(
+    first: int, last: int, width: int, parent: Int64, size: Int64, total: Float64, nearest: Int64
+) -> bool:
+    """Join small regions whose root is in the rows ``first`` .. ``last`` - 1 with their nearest; whether any was."""
+    merged = False
+    for i in range(first * width, last * width):
+        if nearest[i] >= 0:
+            a, b = _root(parent, i), _root(parent, nearest[i])
+            if a != b:
+                _union(parent, a, b)
+                kept, gone = min(a, b), max(a, b)
+                size[kept] += size[gone]
+                for c in range(3):
+                    total[kept, c] += total[gone, c]
+                merged = True
+    return merged
+
+
+@kernel
+def _paint(first: int, last: int, image: Array, covered: Covered, parent: Int64, size: Int64, total: Float64) -> None:
+    """Give each covered pixel of the rows ``first`` .. ``last`` - 1 the mean colour of its region."""
+    width = image.shape[1]
+    for y in range(first, last):
         for x in range(width):
             root = _root(parent, y * width + x)
             for c in range(3):

@@ -72,7 +72,12 @@ def as_records(codes: Array, alpha: Array | None, raster: Raster) -> Array:
     picture[-2:] = 0
     given = padded_rows(codes, raster)
     if alpha is None:
-        over_rows(lambda first, last: np.copyto(picture[first:last], given[first:last]), given.size)
+        row = 3 * raster.stride
+
+        def copy(first: int, last: int) -> None:
+            picture[first * row : last * row] = given[first * row : last * row]
+
+        over_rows(copy, raster.height)
     else:
         over_rows(_interleave_alpha, raster.height, given, padded_rows(alpha, raster), raster, picture)
     return picture
