@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from flowabs_nodes.engine.render_sequence import run
     from flowabs_nodes.engine.report import Report
     from flowabs_nodes.engine.runnable import RunnableGraph, load_graph
-    from flowabs_nodes.errors import FlowabsError
+    from flowabs_nodes.engine.session import Session
+    from flowabs_nodes.errors import Cancelled, FlowabsError
     from flowabs_nodes.image import Image
     from flowabs_nodes.one_call import abstraction, abstraction_hdr, flat, inked, lines, portrait
 
@@ -32,8 +33,10 @@ __version__ = "0.2.0"
 _HOMES = {
     "FlowabsError": "errors",
     "Image": "image",
+    "Cancelled": "errors",
     "Report": "engine.report",
     "RunnableGraph": "engine.runnable",
+    "Session": "engine.session",
     **dict.fromkeys(("abstraction", "abstraction_hdr", "flat", "inked", "lines", "portrait"), "one_call"),
     "load_graph": "engine.runnable",
     "run": "engine.render_sequence",
@@ -41,10 +44,12 @@ _HOMES = {
 _MODULES = ("color", "filters")
 
 __all__ = [
+    "Cancelled",
     "FlowabsError",
     "Image",
     "Report",
     "RunnableGraph",
+    "Session",
     "__version__",
     "abstraction",
     "abstraction_hdr",

@@ -121,6 +121,12 @@ class CommandError(FlowabsError):
     code = "bad-command"
 
 
+class Cancelled(FlowabsError):
+    """A session's run was cancelled; no failure, and nothing is lost."""
+
+    code = "cancelled"
+
+
 class InternalError(FlowabsError):
     """An exception that nobody foresaw was raised: a fault of the node, of this package, or of the machine.
 

@@ -12,7 +12,7 @@ from functools import partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from flowabs_nodes.errors import CommandError, nearest
+from flowabs_nodes.errors import ArgumentError, CommandError, nearest
 from flowabs_nodes.port_types import TYPES
 
 if TYPE_CHECKING:
@@ -214,3 +214,40 @@ def named_result(graph: Graph, name: str, frame: int) -> Result:
         hint = hint if hint.startswith("known") else f"{hint} known: {', '.join(outputs)}"
         raise CommandError(f"node {node!r} has no output {output!r}", code="unknown-output", hint=hint)
     return Result(node, output, frame)
+
+
+def output_names(graph: Graph, outputs: str | Iterable[str] | None) -> tuple[str, ...]:
+    """Return the names in ``outputs``, a list of them or a single one; of None those that go into write nodes.
+
+    Raises
+    ------
+    ArgumentError
+        ``outputs`` is anything else.
+    CommandError
+        no-write: it is None, and the graph writes nothing.
+    """
+    if outputs is None:
+        return _written_outputs(graph)
+    names = (outputs,) if isinstance(outputs, str) else tuple(outputs) if isinstance(outputs, Iterable) else (outputs,)
+    for name in names:
+        if not isinstance(name, str):
+            raise ArgumentError(
+                f"outputs: expected names such as 'lines' or ['lines', 'comp.ink'], found {name!r}",
+                code="wrong-type",
+                parameter="outputs",
+            )
+    return names
+
+
+def _written_outputs(graph: Graph) -> tuple[str, ...]:
+    """Return the names of all outputs that go into the graph's write nodes."""
+    names: dict[str, None] = {}
+    for sink in sinks(graph):
+        for link in graph.nodes[sink].inputs.values():
+            first = next(iter(graph.nodes[link.node].declaration.all_outputs))
+            names[link.node if link.output == first else f"{link.node}.{link.output}"] = None
+    if not names:
+        raise CommandError(
+            "the graph writes nothing", code="no-write", hint="say which outputs you want: outputs=[...]"
+        )
+    return tuple(names)

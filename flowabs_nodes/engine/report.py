@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -15,6 +16,8 @@ Status = Literal["done", "skipped", "failed"]
 #: A function that is called with each event of a run, a plain dict, in order: :func:`start_event`, those below it, and
 #: those of :class:`~flowabs_nodes.engine.node_events.NodeEvents`. docs/running.md describes them.
 Listener = Callable[[dict[str, Any]], None]
+
+log = logging.getLogger("flowabs")
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +107,16 @@ def note_event(note: Note, frame: int | None = None) -> dict[str, Any]:
     if note.detail:
         return {"event": "detail", "frame": frame, "node": note.node or None, "text": note.text}
     return {"event": "note", "frame": frame, "node": note.node or None, "level": note.level, "text": note.text}
+
+
+def tell_notes(notes: Iterable[Note], frame: int, on_event: Listener | None) -> None:
+    """Tell a frame's notes to the listener, or write them to the logger "flowabs" where there is none."""
+    for note in notes:
+        if on_event is not None:
+            on_event(note_event(note, frame))
+        else:
+            about = frame if note.frame is None else note.frame
+            log.log(logging.WARNING if note.warning else logging.INFO, "frame %d: %s", about, note)
 
 
 def shared_note_event(note: Note, frames: str, count: int) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Iterable, Mapping
 from dataclasses import fields
 from pathlib import Path
@@ -10,19 +9,14 @@ from typing import Any
 
 from flowabs_nodes import graph as graphs
 from flowabs_nodes.engine.error_boundary import error_boundary
-from flowabs_nodes.engine.evaluate import Evaluation
 from flowabs_nodes.engine.frame_numbers import frame_number
-from flowabs_nodes.engine.frame_windows import FrameWindows
+from flowabs_nodes.engine.frame_outputs import FrameOutputs
 from flowabs_nodes.engine.given import Given, given_images
 from flowabs_nodes.engine.ocio_choice import choose_config
 from flowabs_nodes.engine.options import RunOptions
-from flowabs_nodes.engine.plan import make_plan, named_result, sinks
-from flowabs_nodes.engine.report import Listener, Note, note_event
+from flowabs_nodes.engine.plan import output_names
+from flowabs_nodes.engine.report import Listener, Note, tell_notes
 from flowabs_nodes.engine.resize import scale_image
-from flowabs_nodes.engine.sources import Sources
-from flowabs_nodes.engine.unit_params import UnitParams
-from flowabs_nodes.errors import ArgumentError, CommandError
-from flowabs_nodes.graph.missing_packages import refuse_missing_packages
 from flowabs_nodes.graph.model import Graph
 from flowabs_nodes.image import Image
 from flowabs_nodes.io.settings import Settings
@@ -30,8 +24,6 @@ from flowabs_nodes.signals import interruptible
 
 #: A path, the name of a graph that comes with the package, its content as a dict, or one that is loaded.
 GraphSource = str | Path | Mapping[str, Any] | Graph
-
-log = logging.getLogger("flowabs")
 
 
 class RunnableGraph(Graph):
@@ -103,24 +95,13 @@ class RunnableGraph(Graph):
         options, about_colors = choose_config(RunOptions(scale=scale, **vars(settings or Settings())))
         stand_ins = {} if given is None else given_images(graph, given, frame)
         images = {result: scale_image(image, options.scale) for result, image in stand_ins.items()}
-        names = _written_outputs(graph) if outputs is None else _output_names(outputs)
-        wanted = {name: named_result(graph, name, frame) for name in names}
-        params = UnitParams(graph)
-        found = Sources(graph, params, options)
-        inputs_of = FrameWindows(graph, params, found, images).inputs_of
-        steps = make_plan(graph, frame, results=wanted.values(), given=images, inputs_of=inputs_of)
-        refuse_missing_packages(graph, {step.unit.node for step in steps})
-        sources = found.of_steps(steps)
-        left_out = next((unit for unit, source in sources.items() if source.skip), None)
-        if left_out is not None:
-            raise CommandError("no such file, and missing frames are skipped", code="missing-file", node=left_out.node)
-        evaluation = Evaluation(graph, params, sources, options, notes=list(about_colors))
+        names = output_names(graph, outputs)
+        notes = list(about_colors)
         try:
             with interruptible():
-                results = evaluation.run(steps, images, keep=wanted.values())
+                return FrameOutputs(graph, frame, names, images, options).compute(notes)
         finally:
-            _tell(evaluation.notes, frame, on_event)
-        return {name: results[result] for name, result in wanted.items()}
+            tell_notes(notes, frame, on_event)
 
     def view(
         self,
@@ -151,7 +132,7 @@ class RunnableGraph(Graph):
         node = output.partition(".")[0]
         with error_boundary(node, frame):
             picture, said = picture_of(image, settings.ocio)
-        _tell([Note(said, node)], frame, on_event)
+        tell_notes([Note(said, node)], frame, on_event)
         return picture
 
     def with_set(self, values: Mapping[str, Any]) -> RunnableGraph:
@@ -187,40 +168,3 @@ def _runnable(graph: Graph) -> RunnableGraph:
     if isinstance(graph, RunnableGraph):
         return graph
     return RunnableGraph(**{field.name: getattr(graph, field.name) for field in fields(graph)})
-
-
-def _output_names(outputs: str | Iterable[str]) -> tuple[str, ...]:
-    """Return the names in ``outputs``, a list of them or a single one; raise ArgumentError for anything else."""
-    names = (outputs,) if isinstance(outputs, str) else tuple(outputs) if isinstance(outputs, Iterable) else (outputs,)
-    for name in names:
-        if not isinstance(name, str):
-            raise ArgumentError(
-                f"outputs: expected names such as 'lines' or ['lines', 'comp.ink'], found {name!r}",
-                code="wrong-type",
-                parameter="outputs",
-            )
-    return names
-
-
-def _written_outputs(graph: Graph) -> tuple[str, ...]:
-    """Return the names of all outputs that go into the graph's write nodes."""
-    names: dict[str, None] = {}
-    for sink in sinks(graph):
-        for link in graph.nodes[sink].inputs.values():
-            first = next(iter(graph.nodes[link.node].declaration.all_outputs))
-            names[link.node if link.output == first else f"{link.node}.{link.output}"] = None
-    if not names:
-        raise CommandError(
-            "the graph writes nothing", code="no-write", hint="say which outputs you want: outputs=[...]"
-        )
-    return tuple(names)
-
-
-def _tell(notes: Iterable[Note], frame: int, on_event: Listener | None) -> None:
-    """Tell a frame's notes to the listener, or write them to the log where there is none."""
-    for note in notes:
-        if on_event is not None:
-            on_event(note_event(note, frame))
-        else:
-            about = frame if note.frame is None else note.frame
-            log.log(logging.WARNING if note.warning else logging.INFO, "frame %d: %s", about, note)

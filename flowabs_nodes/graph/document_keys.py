@@ -47,6 +47,8 @@ KNOB: Mapping[str, Kind] = {
     "choices": LIST,
     "unit": TEXT,
     "help": TEXT,
+    "label": TEXT,
+    "group": TEXT,
 }
 
 

@@ -56,7 +56,7 @@ def _read_knob(name: str, raw: Any, place: Place, problems: Problems) -> Knob | 
 
 def _keys_of(kind: str) -> set[str]:
     own = {"float": {"min", "max"}, "int": {"min", "max"}, "enum": {"choices"}}.get(kind, set())
-    return {"type", "default", "unit", "help"} | own
+    return {"type", "default", "unit", "help", "label", "group"} | own
 
 
 def _only_for(key: str) -> str:

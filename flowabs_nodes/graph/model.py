@@ -28,9 +28,10 @@ class Link:
 class Knob:
     """Describes one control that a graph offers an artist.
 
-    ``min`` and ``max`` are for numbers, ``choices`` for an enum. ``default`` is the value that the knob stands at, as
-    the file has it; setting the knob makes a graph with another default. Of a number it may be ``{"curve": ...}``,
-    which is read in ``curve``.
+    ``min`` and ``max`` are for numbers, ``choices`` for an enum. ``label`` is the name that people see, by default made
+    of ``name``; ``group`` is the section of a panel. ``default`` is the value that the knob stands at, as the file has
+    it; setting the knob makes a graph with another default. Of a number it may be ``{"curve": ...}``, which is read in
+    ``curve``.
     """
 
     name: str
@@ -41,6 +42,8 @@ class Knob:
     unit: str = ""
     help: str = ""
     choices: tuple[str, ...] = ()
+    label: str = ""
+    group: str = ""
     curve: Curve | None = None
 
     def at(self, frame: int) -> Any:
@@ -62,6 +65,8 @@ class Knob:
             max=self.max,
             unit=self.unit,
             choices=self.choices,
+            label=self.label,
+            group=self.group,
         )
 
 
