@@ -149,8 +149,18 @@ class Session:
 
     # ------------------------------------------------------------------ running
 
-    def run(self, outputs: str | Iterable[str] | None = None, frame: int = 1, scale: float = 1.0) -> dict[str, Image]:
+    def run(
+        self,
+        outputs: str | Iterable[str] | None = None,
+        frame: int = 1,
+        scale: float = 1.0,
+        *,
+        scaled: bool = False,
+    ) -> dict[str, Image]:
         """Compute images of one frame; ``outputs``, ``frame`` and ``scale`` are those of :meth:`RunnableGraph.run`.
+
+        ``scaled``: the pictures given are so much smaller already, as a host's proxies are. They stay as they are, and
+        lengths follow ``scale``.
 
         Returns
         -------
@@ -176,7 +186,7 @@ class Session:
 
         def work() -> dict[str, Image]:
             with limited(self._threads) if self._threads else nullcontext():
-                return self._cache.compute(graph, frame, names, given, options, notes, tell)
+                return self._cache.compute(graph, frame, names, given, options, notes, tell, scaled)
 
         call = StoppableCall(work, self._on_event or (lambda event: None))
         tell = call.tell if self._on_event else None

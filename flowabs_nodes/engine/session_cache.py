@@ -46,10 +46,12 @@ class SessionCache:
         options: RunOptions,
         notes: list[Note],
         tell: Listener | None,
+        scaled: bool = False,
     ) -> dict[str, Image]:
         """Return the outputs ``names`` of a frame; what is held is not computed again.
 
-        ``notes`` fills up; ``tell`` is told which node is at work. Runs take turns.
+        ``notes`` fills up; ``tell`` is told which node is at work. ``scaled``: what is given is as small as the scale of
+        the options says already. Runs take turns.
 
         Raises
         ------
@@ -60,8 +62,9 @@ class SessionCache:
         """
         with self._turn():
             self._tell = tell or _nobody
-            keys = {result: self._name(image, options.scale) for result, image in given.items()}
-            images = {result: self._scaled(image, options.scale) for result, image in given.items()}
+            by = 1.0 if scaled else options.scale
+            keys = {result: self._name(image, by) for result, image in given.items()}
+            images = {result: self._scaled(image, by) for result, image in given.items()}
             work = FrameOutputs(graph, frame, names, images, options)
             unit_keys = work.keys(keys)
             stored = {
