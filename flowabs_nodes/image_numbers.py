@@ -1,0 +1,271 @@
+"""Tell what the numbers of a host's picture mean, and bring them to the numbers of an image and back.
+
+An image's are float32, scene-linear and premultiplied. A host's may be whole numbers or floats, scene-linear or encoded
+(sRGB, a log), premultiplied or straight.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from flowabs_nodes import color
+from flowabs_nodes.array_types import Array
+from flowabs_nodes.choices import HOST_ALPHAS
+from flowabs_nodes.color.encoding import Encoding
+from flowabs_nodes.color.spaces import ColorSpace, convert, known
+from flowabs_nodes.errors import ArgumentError, ColorError, FlowabsError, nearest
+from flowabs_nodes.simd.bands import limited, over_rows
+
+_LEAST = 16  # rows that are worth a thread
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """The meaning of the numbers of a picture's colours.
+
+    Attributes
+    ----------
+    space
+        The scene-linear space of the numbers, once they are decoded.
+    encoding
+        What they are decoded from; None where they are scene-linear.
+    straight
+        Whether colours are not multiplied by alpha.
+    scaled
+        Whether whole numbers stand for 0..1: somebody said what they mean.
+    kept
+        The scene-linear space that an image of them is kept in.
+    """
+
+    space: ColorSpace
+    encoding: str | Encoding | None
+    straight: bool
+    scaled: bool
+    kept: ColorSpace
+
+    @property
+    def plain(self) -> bool:
+        """Return whether the numbers are those of an image in ``space``: scene-linear and premultiplied."""
+        return self.encoding is None and not self.straight
+
+
+def meaning(
+    colorspace: ColorSpace | str | None,
+    encoding: str | None,
+    alpha: str | None,
+    *,
+    floats: bool,
+    default: ColorSpace | str = "lin_rec709",
+) -> Numbers:
+    """Return what numbers mean, of which people say ``colorspace``, ``encoding`` and ``alpha``.
+
+    Parameters
+    ----------
+    colorspace
+        A scene-linear space: that of the numbers, or with an ``encoding`` that of the image. Without an ``encoding``
+        the name of an encoding will do: numbers are then decoded to the space with its primaries. None is ``default``.
+    encoding
+        The name of any colour space; "linear" for numbers that are scene-linear in ``colorspace``. None: as
+        ``colorspace`` says.
+    alpha
+        "premultiplied", "straight", or None: premultiplied in scene-linear ``floats``, else straight.
+
+    Raises ArgumentError and ColorError, with the nearest names.
+    """
+    if encoding is not None and (not isinstance(encoding, str) or not encoding):
+        raise ArgumentError(
+            f'encoding: expected a name such as "sRGB" or "linear", found {encoding!r}',
+            code="wrong-type",
+            parameter="encoding",
+        )
+    if alpha is not None and alpha not in HOST_ALPHAS:
+        raise ArgumentError(
+            f"alpha: expected {' or '.join(map(repr, HOST_ALPHAS))}, found {alpha!r}",
+            hint=nearest(alpha, HOST_ALPHAS),
+            parameter="alpha",
+        )
+    linear = encoding is not None and encoding.lower() == "linear"
+    source = default if colorspace is None else colorspace
+    said_by = "colorspace"
+    if encoding is not None and not linear:
+        source, said_by = encoding, "encoding"
+    target = colorspace if encoding is not None else None
+    try:
+        decode = None if linear else encoded_as(source)
+        space = color.space(source) if decode is None else _primaries(decode)
+        said_by = "colorspace"
+        kept = space if target is None else color.space(target)
+    except FlowabsError as error:
+        error.parameter = error.parameter or said_by
+        raise
+    straight = alpha == "straight" if alpha is not None else decode is not None or not floats
+    return Numbers(space, decode, straight, encoding is not None or decode is not None, kept)
+
+
+def encoded_as(colorspace: ColorSpace | str) -> str | None:
+    """Return the name of code values, such as sRGB; None for that of a scene-linear space, and for data."""
+    if not isinstance(colorspace, str) or not colorspace or known(colorspace) is not None:
+        return None
+    from flowabs_nodes.color import named  # imports OpenColorIO, which known spaces do not need
+
+    return colorspace if named.find(colorspace).kind not in ("linear", "data") else None
+
+
+def _primaries(encoding: str) -> ColorSpace:
+    """Return the scene-linear space that an encoding is decoded to."""
+    from flowabs_nodes.color import named
+
+    return named.find(encoding).space
+
+
+def _in_rows(encoding: str | Encoding | None) -> bool:
+    """Return whether an encoding is a curve of ours, which bands of rows go through at once; not so OpenColorIO's."""
+    if not isinstance(encoding, str):
+        return encoding is None
+    from flowabs_nodes.color import named
+
+    return named.find(encoding).kind in ("srgb", "cineon")
+
+
+# ---------------------------------------------------------------------- a host's numbers to an image's
+
+
+def decoded(codes: npt.NDArray[Any], numbers: Numbers) -> Array:
+    """Return a host's picture (H, W, 1, 3 or 4) as an image's: float32, scene-linear, premultiplied.
+
+    Colours are in ``numbers.kept``, in memory of their own. uint8 and uint16 are divided by 255 or 65535 where
+    ``numbers`` say that they are scaled.
+    ColorError where finite numbers become NaN or Inf.
+    """
+    white = _white(codes.dtype) if numbers.scaled else 1.0
+    result = np.empty(codes.shape, np.float32)
+
+    def fill(first: int, last: int) -> None:
+        """Decode a band of rows."""
+        band = result[first:last]
+        if white == 1:
+            band[...] = codes[first:last]
+        else:
+            np.divide(codes[first:last], np.float32(white), out=band, dtype=np.float32)
+        if not numbers.plain or numbers.space != numbers.kept:
+            with limited(1):
+                _decode(band, numbers)
+
+    _fill(fill, len(codes), numbers)
+    return result
+
+
+def _decode(pixels: Array, numbers: Numbers) -> None:
+    """Decode float32 codes (H, W, 1, 3 or 4) in place."""
+    factor = None
+    if pixels.shape[2] == 4 and not numbers.plain:
+        factor = pixels[..., 3].copy() if numbers.straight else _divisor(pixels)
+    if numbers.encoding is not None:
+        if factor is not None and not numbers.straight:
+            _each_color(np.divide, pixels, factor)
+        codes = np.repeat(pixels, 3, axis=2) if pixels.shape[2] == 1 else pixels[..., :3]
+        rgb, _ = color.ocio.linearize(codes, numbers.encoding)
+        pixels[..., :3] = rgb[..., : pixels.shape[2]]
+    if numbers.space != numbers.kept and pixels.shape[2] >= 3:
+        pixels[..., :3] = convert(pixels[..., :3], numbers.space, numbers.kept)
+    if factor is not None:
+        _each_color(np.multiply, pixels, factor)
+
+
+# ---------------------------------------------------------------------- an image's numbers to a host's
+
+
+def encode_to(
+    target: npt.NDArray[Any], picks: tuple[int | None, ...], pixels: Array, space: ColorSpace, numbers: Numbers
+) -> None:
+    """Write an image's pixels (H, W, 1, 3 or 4), scene-linear in ``space``, into a host's picture of any real dtype.
+
+    ``picks`` are the image's channels for each of the target's, None for one that is 1 everywhere. Whole numbers are
+    rounded, and clipped to 0..1 first, with NaN as 0. ColorError where finite pixels become NaN or Inf.
+    """
+
+    def fill(first: int, last: int) -> None:
+        """Encode a band of rows."""
+        band = pixels[first:last]
+        if not numbers.plain or numbers.space != space:
+            with limited(1):
+                band = _encoded(band, space, numbers)
+        write(target[first:last], picks, band)
+
+    _fill(fill, len(pixels), numbers)
+
+
+def _encoded(pixels: Array, space: ColorSpace, numbers: Numbers) -> Array:
+    """Return an image's pixels (H, W, 1, 3 or 4) as float32 codes of the same shape."""
+    count, result, divisor = pixels.shape[2], pixels, None
+    if count == 4 and not numbers.plain:
+        result, divisor = pixels.copy(), _divisor(pixels)
+        _each_color(np.divide, result, divisor)
+    if numbers.encoding is not None:
+        result = np.repeat(result, 3, axis=2) if count == 1 else result
+        result = color.ocio.encode_named(result, space, numbers.encoding)[..., :count]
+    elif numbers.space != space and count >= 3:
+        result = result.copy() if result is pixels else result
+        result[..., :3] = convert(result[..., :3], space, numbers.space)
+    if divisor is not None and not numbers.straight:
+        _each_color(np.multiply, result, divisor)
+    return result
+
+
+def write(target: npt.NDArray[Any], picks: tuple[int | None, ...], values: npt.NDArray[Any]) -> None:
+    """Write values (H, W, C), white at 1, into a host's picture, in its data type."""
+    if picks == tuple(range(values.shape[2])):
+        target[...] = _in_type(values, target.dtype)
+        return
+    for index, pick in enumerate(picks):
+        plane = np.float32(1) if pick is None else values[..., pick]
+        target[..., index] = _in_type(np.asarray(plane), target.dtype)
+
+
+def _in_type(values: npt.NDArray[Any], dtype: np.dtype[Any]) -> npt.NDArray[Any]:
+    """Return values in a data type: whole numbers scaled, clipped and rounded, half floats at most 65504 or Inf."""
+    if dtype.kind == "f":
+        if dtype.itemsize > 2:
+            return values
+        most = np.float32(np.finfo(dtype).max)
+        return np.asarray(np.where(np.isinf(values), values, values.clip(-most, most)), dtype)
+    scaled = np.fmin(np.fmax(values, np.float32(0)), np.float32(1))  # NaN becomes 0
+    scaled *= np.float32(_white(dtype))
+    return np.asarray(np.rint(scaled, out=scaled), dtype)
+
+
+# ---------------------------------------------------------------------- alpha, rows
+
+
+def _divisor(pixels: Array) -> Array:
+    """Return what premultiplied colours (H, W, 4) are divided by, (H, W): alpha, and 1 where alpha is 0 or less."""
+    return np.where(pixels[..., 3] > 0, pixels[..., 3], np.float32(1))
+
+
+def _each_color(operation: np.ufunc, pixels: Array, factor: Array) -> None:
+    """Multiply or divide R, G, B of (H, W, 4) by a factor (H, W), in place."""
+    with np.errstate(all="ignore"):
+        for channel in range(3):
+            operation(pixels[..., channel], factor, out=pixels[..., channel])
+
+
+def _white(dtype: np.dtype[Any]) -> float:
+    """Return the number that stands for 1."""
+    return 1.0 if dtype.kind == "f" else float(np.iinfo(dtype).max)
+
+
+def _fill(fill: Callable[[int, int], None], height: int, numbers: Numbers) -> None:
+    """Call ``fill`` for all rows: in bands, unless OpenColorIO has to see them all, which shares them itself."""
+    if not _in_rows(numbers.encoding):
+        fill(0, height)
+        return
+    try:
+        over_rows(fill, height, least=_LEAST)
+    except ColorError:
+        fill(0, height)  # its message tells the place in the picture
+        raise
