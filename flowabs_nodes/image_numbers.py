@@ -7,7 +7,7 @@ An image's are float32, scene-linear and premultiplied. A host's may be whole nu
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from flowabs_nodes.errors import ArgumentError, ColorError, FlowabsError, neares
 from flowabs_nodes.simd.bands import limited, over_rows
 
 _LEAST = 16  # rows that are worth a thread
+_AT_ONCE = 2**14  # pixels that are converted at once: what is made of them on the way stays in the processor's cache
 
 
 @dataclass(frozen=True)
@@ -144,20 +145,36 @@ def decoded(codes: npt.NDArray[Any], numbers: Numbers) -> Array:
     """
     white = _white(codes.dtype) if numbers.scaled else 1.0
     result = np.empty(codes.shape, np.float32)
+    curve = _curve(codes, numbers)
+    left = numbers if curve is None else replace(numbers, encoding=None)  # what the curve leaves to do
+    colors = min(codes.shape[2], 3)
 
     def fill(first: int, last: int) -> None:
-        """Decode a band of rows."""
+        """Decode some rows."""
         band = result[first:last]
         if white == 1:
             band[...] = codes[first:last]
         else:
             np.divide(codes[first:last], np.float32(white), out=band, dtype=np.float32)
-        if not numbers.plain or numbers.space != numbers.kept:
+        if curve is not None:
+            band[..., :colors] = curve.take(codes[first:last, :, :colors], mode="clip")
+        if not left.plain or left.space != left.kept:
             with limited(1):
-                _decode(band, numbers)
+                _decode(band, left)
 
-    _fill(fill, len(codes), numbers)
+    _fill(fill, codes.shape, numbers)
     return result
+
+
+def _curve(codes: npt.NDArray[Any], numbers: Numbers) -> Array | None:
+    """Return the light of every uint8 or uint16 code, where each channel is looked up alone; None for all others."""
+    premultiplied = codes.shape[2] == 4 and not numbers.straight
+    if codes.dtype.kind == "f" or numbers.encoding is None or premultiplied or not _in_rows(numbers.encoding):
+        return None
+    white = int(_white(codes.dtype))
+    every = np.arange(white + 1, dtype=codes.dtype).reshape(1, -1, 1) / np.float32(white)
+    light, _ = color.ocio.linearize(np.repeat(every, 3, axis=2), numbers.encoding)
+    return np.ascontiguousarray(light[0, :, 0])
 
 
 def _decode(pixels: Array, numbers: Numbers) -> None:
@@ -167,14 +184,14 @@ def _decode(pixels: Array, numbers: Numbers) -> None:
         factor = pixels[..., 3].copy() if numbers.straight else _divisor(pixels)
     if numbers.encoding is not None:
         if factor is not None and not numbers.straight:
-            _each_color(np.divide, pixels, factor)
+            _each_color(np.divide, pixels, factor, pixels)
         codes = np.repeat(pixels, 3, axis=2) if pixels.shape[2] == 1 else pixels[..., :3]
         rgb, _ = color.ocio.linearize(codes, numbers.encoding)
         pixels[..., :3] = rgb[..., : pixels.shape[2]]
     if numbers.space != numbers.kept and pixels.shape[2] >= 3:
         pixels[..., :3] = convert(pixels[..., :3], numbers.space, numbers.kept)
     if factor is not None:
-        _each_color(np.multiply, pixels, factor)
+        _each_color(np.multiply, pixels, factor, pixels)
 
 
 # ---------------------------------------------------------------------- an image's numbers to a host's
@@ -190,22 +207,23 @@ def encode_to(
     """
 
     def fill(first: int, last: int) -> None:
-        """Encode a band of rows."""
+        """Encode some rows."""
         band = pixels[first:last]
         if not numbers.plain or numbers.space != space:
             with limited(1):
                 band = _encoded(band, space, numbers)
         write(target[first:last], picks, band)
 
-    _fill(fill, len(pixels), numbers)
+    _fill(fill, pixels.shape, numbers)
 
 
 def _encoded(pixels: Array, space: ColorSpace, numbers: Numbers) -> Array:
     """Return an image's pixels (H, W, 1, 3 or 4) as float32 codes of the same shape."""
     count, result, divisor = pixels.shape[2], pixels, None
     if count == 4 and not numbers.plain:
-        result, divisor = pixels.copy(), _divisor(pixels)
-        _each_color(np.divide, result, divisor)
+        result, divisor = np.empty_like(pixels), _divisor(pixels)
+        result[..., 3] = pixels[..., 3]
+        _each_color(np.divide, pixels, divisor, result)
     if numbers.encoding is not None:
         result = np.repeat(result, 3, axis=2) if count == 1 else result
         result = color.ocio.encode_named(result, space, numbers.encoding)[..., :count]
@@ -213,7 +231,7 @@ def _encoded(pixels: Array, space: ColorSpace, numbers: Numbers) -> Array:
         result = result.copy() if result is pixels else result
         result[..., :3] = convert(result[..., :3], space, numbers.space)
     if divisor is not None and not numbers.straight:
-        _each_color(np.multiply, result, divisor)
+        _each_color(np.multiply, result, divisor, result)
     return result
 
 
@@ -232,8 +250,12 @@ def _in_type(values: npt.NDArray[Any], dtype: np.dtype[Any]) -> npt.NDArray[Any]
     if dtype.kind == "f":
         if dtype.itemsize > 2:
             return values
-        most = np.float32(np.finfo(dtype).max)
-        return np.asarray(np.where(np.isinf(values), values, values.clip(-most, most)), dtype)
+        with np.errstate(over="ignore"):
+            half = values.astype(dtype)
+        if np.isinf(half).any():
+            most = np.float32(np.finfo(dtype).max)
+            half = np.asarray(np.where(np.isinf(values), values, values.clip(-most, most)), dtype)
+        return half
     scaled = np.fmin(np.fmax(values, np.float32(0)), np.float32(1))  # NaN becomes 0
     scaled *= np.float32(_white(dtype))
     return np.asarray(np.rint(scaled, out=scaled), dtype)
@@ -247,11 +269,11 @@ def _divisor(pixels: Array) -> Array:
     return np.where(pixels[..., 3] > 0, pixels[..., 3], np.float32(1))
 
 
-def _each_color(operation: np.ufunc, pixels: Array, factor: Array) -> None:
-    """Multiply or divide R, G, B of (H, W, 4) by a factor (H, W), in place."""
+def _each_color(operation: np.ufunc, pixels: Array, factor: Array, result: Array) -> None:
+    """Multiply or divide R, G, B of (H, W, 4) by a factor (H, W), to those of ``result``, which may be ``pixels``."""
     with np.errstate(all="ignore"):
         for channel in range(3):
-            operation(pixels[..., channel], factor, out=pixels[..., channel])
+            operation(pixels[..., channel], factor, out=result[..., channel])
 
 
 def _white(dtype: np.dtype[Any]) -> float:
@@ -259,13 +281,23 @@ def _white(dtype: np.dtype[Any]) -> float:
     return 1.0 if dtype.kind == "f" else float(np.iinfo(dtype).max)
 
 
-def _fill(fill: Callable[[int, int], None], height: int, numbers: Numbers) -> None:
-    """Call ``fill`` for all rows: in bands, unless OpenColorIO has to see them all, which shares them itself."""
+def _fill(fill: Callable[[int, int], None], shape: tuple[int, ...], numbers: Numbers) -> None:
+    """Call ``fill`` for all rows of a picture, some at a time, by all threads; once for all where OpenColorIO works.
+
+    OpenColorIO shares the rows among threads itself.
+    """
+    height, at_once = shape[0], max(1, _AT_ONCE // shape[1])
+
+    def fill_band(first: int, last: int) -> None:
+        """Fill a thread's band of rows."""
+        for start in range(first, last, at_once):
+            fill(start, min(start + at_once, last))
+
     if not _in_rows(numbers.encoding):
         fill(0, height)
         return
     try:
-        over_rows(fill, height, least=_LEAST)
+        over_rows(fill_band, height, least=_LEAST)
     except ColorError:
         fill(0, height)  # its message tells the place in the picture
         raise
