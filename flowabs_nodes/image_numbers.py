@@ -241,8 +241,7 @@ def write(target: npt.NDArray[Any], picks: tuple[int | None, ...], values: npt.N
         target[...] = _in_type(values, target.dtype)
         return
     for index, pick in enumerate(picks):
-        plane = np.float32(1) if pick is None else values[..., pick]
-        target[..., index] = _in_type(np.asarray(plane), target.dtype)
+        target[..., index] = _white(target.dtype) if pick is None else _in_type(values[..., pick], target.dtype)
 
 
 def _in_type(values: npt.NDArray[Any], dtype: np.dtype[Any]) -> npt.NDArray[Any]:

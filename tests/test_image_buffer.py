@@ -39,7 +39,18 @@ def in_ctypes(picture: np.ndarray) -> Any:
         (PICTURE.ravel().tolist(), None),
         (PICTURE, None),
     ],
-    ids=["array", "memoryview", "bytes", "bytearray", "3-D memoryview", "array.array", "ctypes", "chars", "list", "3-D"],
+    ids=[
+        "array",
+        "memoryview",
+        "bytes",
+        "bytearray",
+        "3-D memoryview",
+        "array.array",
+        "ctypes",
+        "chars",
+        "list",
+        "3-D",
+    ],
 )
 def test_a_flat_buffer_is_a_picture_of_its_shape(memory: Any, dtype: Any) -> None:
     found = viewed(memory, dtype=dtype)
@@ -101,7 +112,11 @@ FLAT = PICTURE.ravel()
         ({"memory": PICTURE.tobytes(), "shape": None}, "array", r"of a flat buffer, shape=\(height, width, channels\)"),
         ({"memory": FLAT[:-1]}, "array", r"expected 240 bytes for shape \(3, 5, 4\) of float32, found 236 bytes$"),
         ({"memory": FLAT, "shape": (3, 5, 3)}, "array", "expected 180 bytes"),
-        ({"memory": PICTURE.tobytes()}, "array", r'expected 60 bytes .* found 240 bytes \(it would fit dtype="float32"'),
+        (
+            {"memory": PICTURE.tobytes()},
+            "array",
+            r'expected 60 bytes .* found 240 bytes \(it would fit dtype="float32"',
+        ),
         ({"memory": PICTURE.tobytes() + b"1", "dtype": "float32"}, "array", "expected 240 bytes .* found 241 bytes"),
         ({"memory": FLAT, "row_bytes": 100}, "array", "expected 280 to 300 bytes"),
         ({"memory": FLAT, "row_bytes": 79}, "row_bytes", "at least 80, a row of 5 x 4 float32, found 79"),
