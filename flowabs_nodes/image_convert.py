@@ -11,7 +11,7 @@ import OpenImageIO as oiio
 from flowabs_nodes import color, image_numbers
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.color import ColorSpace, dpx
-from flowabs_nodes.color.detection import forget
+from flowabs_nodes.color.detection import forget, without_stale
 from flowabs_nodes.errors import ArgumentError, ColorError
 from flowabs_nodes.image_numbers import Numbers
 from flowabs_nodes.image_parts import Parts, Window, with_channels
@@ -76,6 +76,7 @@ def _numbers(buf: oiio.ImageBuf, spec: oiio.ImageSpec, colorspace: ColorSpace | 
     if not spec.get_string_attribute("oiio:ColorSpace") and dpx.declares(spec):
         found = color.detect(spec, dpx.declared(spec)[0])
     else:
+        spec = spec if buf.file_format_name else without_stale(spec)
         photographed = buf.nativespec().format.basetype in _PHOTOGRAPHED
         found = color.detect(spec, display_referred=photographed)
     return Numbers(found.space, found.encoding, False, True, found.space)
