@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio
 
-from flowabs_nodes import image_numbers
+from flowabs_nodes import image_light, image_numbers
 from flowabs_nodes.color import ColorSpace
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.image_buffer import data_type, picture_in
@@ -75,7 +75,7 @@ def _pixels(picture: npt.NDArray[Any], type: PortType, said: Said) -> tuple[npt.
         if stored.kind != "f" and stored not in (np.uint8, np.uint16):
             name = said.colorspace if said.encoding is None else said.encoding
             raise ArgumentError(f"array: expected uint8, uint16 or floats of {name}, found {stored}", parameter="array")
-        return image_numbers.decoded(picture, numbers), numbers.kept
+        return image_light.decoded(picture, numbers), numbers.kept
     if stored in (np.uint8, np.uint16):
         white = np.iinfo(stored).max
         raise ArgumentError(
@@ -92,7 +92,7 @@ def _pixels(picture: npt.NDArray[Any], type: PortType, said: Said) -> tuple[npt.
             else "divide by its white",
             parameter="array",
         )
-    return image_numbers.decoded(picture, numbers), numbers.kept
+    return image_light.decoded(picture, numbers), numbers.kept
 
 
 def _header(
@@ -216,11 +216,11 @@ def _write(
 ) -> None:
     """Write an image's channels into a picture (H, W, C); ArgumentError where an id or data does not fit exactly."""
     if numbers is not None:
-        image_numbers.encode_to(target, chosen, image.pixels, image.space, numbers)
+        image_light.encode_to(target, chosen, image.pixels, image.space, numbers)
         return
     values = image.pixels[..., [pick for pick in chosen if pick is not None]]
     if "f" == image.pixels.dtype.kind == target.dtype.kind:
-        image_numbers.write(target, tuple(range(values.shape[2])), values)
+        image_light.write(target, tuple(range(values.shape[2])), values)
         return
     with np.errstate(all="ignore"):
         whole = values.astype(target.dtype)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import OpenImageIO as oiio
 
-from flowabs_nodes import color, image_numbers
+from flowabs_nodes import color, image_light, image_numbers
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.color import ColorSpace, dpx
 from flowabs_nodes.color.detection import forget, without_stale
@@ -41,7 +41,7 @@ def parts_of_imagebuf(
     straight = spec.get_int_attribute(_STRAIGHT[0]) != 0
     if pixel_type(parts.type).light and (straight or numbers.encoding is not None):
         numbers = Numbers(numbers.space, numbers.encoding, straight, True, numbers.kept)
-        parts = parts._replace(pixels=image_numbers.decoded(parts.pixels, numbers))
+        parts = parts._replace(pixels=image_light.decoded(parts.pixels, numbers))
         for name in _STRAIGHT:
             parts.spec.erase_attribute(name)
     return parts, numbers.kept

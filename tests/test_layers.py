@@ -18,7 +18,7 @@ FLOORS = (
     ("color", "filters"),
     (
         *("image", "image_arrays", "image_buffer", "image_channels", "image_convert", "image_exchange"),
-        *("image_numbers", "image_parts", "image_preview", "image_state"),
+        *("image_light", "image_numbers", "image_parts", "image_preview", "image_state"),
         *("array_kind", "encodings", "port_types"),
     ),
     ("io",),
