@@ -16,13 +16,17 @@ FLOORS = (
     ("simd", "signals"),
     ("sampling",),
     ("color", "filters"),
-    ("image", "array_kind", "image_convert", "image_parts", "image_preview", "image_state", "encodings", "port_types"),
+    (
+        *("image", "image_arrays", "image_buffer", "image_channels", "image_convert", "image_exchange"),
+        *("image_light", "image_numbers", "image_parts", "image_preview", "image_state"),
+        *("array_kind", "encodings", "port_types"),
+    ),
     ("io",),
     ("finishing", "comp", "looking"),
     ("nodes",),
     ("graph",),
     ("engine",),
-    ("cli", "testing", "submit", "one_call"),
+    ("cli", "testing", "submit", "serve", "one_call"),
     ("__main__", "reference"),
 )
 HEIGHT = {room: height for height, rooms in enumerate(FLOORS) for room in rooms}
