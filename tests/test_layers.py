@@ -26,7 +26,7 @@ FLOORS = (
     ("nodes",),
     ("graph",),
     ("engine",),
-    ("cli", "testing", "submit", "serve", "one_call"),
+    ("cli", "testing", "submit", "serve", "openfx", "one_call"),
     ("__main__", "reference"),
 )
 HEIGHT = {room: height for height, rooms in enumerate(FLOORS) for room in rooms}

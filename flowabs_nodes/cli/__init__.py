@@ -24,6 +24,7 @@ from flowabs_nodes.cli.check import check
 from flowabs_nodes.cli.colorspaces import colorspaces
 from flowabs_nodes.cli.graph_listing import graphs
 from flowabs_nodes.cli.listings import nodes, schema
+from flowabs_nodes.cli.openfx import openfx
 from flowabs_nodes.cli.run import run
 from flowabs_nodes.cli.serve import serve
 from flowabs_nodes.cli.streams import safe_streams
@@ -58,7 +59,7 @@ def cli() -> None:
     """
 
 
-for command in (run, check, nodes, schema, graphs, colorspaces, submit, openjd_task, serve):
+for command in (run, check, nodes, schema, graphs, colorspaces, submit, openjd_task, openfx, serve):
     cli.add_command(command)
 
 

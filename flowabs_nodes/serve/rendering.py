@@ -20,7 +20,7 @@ from flowabs_nodes.serve.sessions import HeldSession, Sessions
 from flowabs_nodes.serve.shared_memory import SharedMemory
 from flowabs_nodes.stopping import StopFlag, Stopped, stopped_by
 
-KEYS = ("id", "do", "payload", "session", "graph", "set", "given", "into", "frame", "scale", "events")
+KEYS = ("id", "do", "payload", "session", "graph", "set", "given", "into", "frame", "scale", "scaled", "events")
 
 #: Sends an object of JSON to the client, with bytes behind it.
 Send = Callable[..., None]
@@ -64,6 +64,7 @@ class Render:
         self._values = asked.get("set", dict, {})
         self._frame = asked.get("frame", int, 1)
         self._scale = asked.get("scale", float, 1.0)
+        self._scaled = asked.get("scaled", bool, False)
         self._events = asked.get("events", bool, False)
         self._given = {
             name: picture(each, f"given.{name}", memories, max_pixels)
@@ -130,7 +131,7 @@ class Render:
             port = session.graph.nodes[result.node].declaration.all_outputs[result.output]
             given[name] = _at(f"given.{name}", each.image, port.types, self._payloads.get(name))
         held.give(session, given)
-        images = session.run(list(self._into), self._frame, self._scale)
+        images = session.run(list(self._into), self._frame, self._scale, scaled=self._scaled)
         written, payload = {}, list[Buffer]()
         for name, target in self._into.items():
             written[name], bytes_ = _at(f"into.{name}", target.fill, images[name])

@@ -137,6 +137,28 @@ def test_the_plate_is_scaled_once(session, monkeypatch):
     assert len(scaled) == 1
 
 
+@pytest.mark.parametrize("reference", [None, {"shorter": 40}], ids=["lengths as written", "lengths of a size"])
+def test_a_picture_that_is_small_already_gives_the_bits_of_the_large_one_at_that_scale(reference):
+    from flowabs_nodes.engine.resize import scale_image
+
+    document = {
+        "format": "flowabs.graph/1",
+        "nodes": {
+            "plate": {"type": "read@1"},
+            "soft": {"type": "blur@1", "inputs": {"image": "plate"}, "params": {"sigma": 3}},
+            "out": {"type": "write@1", "inputs": {"image": "soft"}},
+        },
+    } | ({"reference_size": reference} if reference else {})
+    image = fa.Image.from_array(plate(64, 48).pixels)
+    with Session(document) as proxy:
+        proxy.given(plate=scale_image(image, 0.5))
+        small = proxy.run(scale=0.5, scaled=True)["soft"].pixels
+        other = proxy.run(scale=1.0)["soft"].pixels
+    expected = fa.load_graph(document).run(given={"plate": image}, outputs=["soft"], scale=0.5)["soft"].pixels
+    assert np.array_equal(small, expected)
+    assert np.array_equal(other, expected) is (reference is not None)  # else only the scale says how long lengths are
+
+
 def test_a_file_that_changes_is_read_again(ran, tmp_path):
     file = plate(tmp_path / "plate.exr")
     session = Session(chain(tally(ran)))
