@@ -43,8 +43,8 @@ _CLIPS = ("Source", "Output", "Mask")
 
 _TYPES = {"float": "double", "int": "int", "enum": "choice", "bool": "boolean", "color": "rgb", "string": "string"}
 
-#: Which channels of an RGBA clip hold a picture of each type of port.
-_CHANNELS = {"color": "RGBA", "mono": "RXXX", "matte": "XXXA", "depth": "RXXX", "normal": "RGB", "motion": "RGBA"}
+#: Which channels of an RGBA clip hold a picture of each type of port. Others have no form in a clip.
+_CHANNELS = {"color": "RGBA", "mono": "R", "matte": "A", "depth": "R", "normal": "RGB", "motion": "RGBA", "id": "R"}
 
 
 def effects_document(folders: Iterable[str | os.PathLike[str]] | None = None) -> tuple[dict[str, Any], list[str]]:
@@ -112,7 +112,7 @@ def _given(graph: Graph, read: Mapping[str, Any]) -> str:
 
 
 def _clips(graph: Graph, reads: Iterable[Mapping[str, Any]]) -> list[dict[str, str]]:
-    """Return the optional clips for what a graph reads beside the plate; ids have no form as floats."""
+    """Return the optional clips for what a graph reads beside the plate."""
     found = []
     for read in reads:
         given, types = _given(graph, read), read["type"].split("|")

@@ -6,6 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
+static const char RGBA[] = "RGBA";
+
 /* ---------------------------------------------------------------------- rectangles of pixels */
 
 /* Return the width of a rectangle, 0 for an empty one. */
@@ -94,11 +96,27 @@ static unsigned char *pixel_at(const Picture *picture, int x, int y) {
     return picture->data + rows * picture->row_bytes + columns * picture->channels * (ptrdiff_t)number_bytes(picture);
 }
 
-/* Copy all pixels into shared memory, the highest row first, without gaps. */
-void picture_copy_out(const Picture *picture, unsigned char *shared) {
-    size_t row = (size_t)rect_width(picture->bounds) * (size_t)picture->channels * number_bytes(picture);
-    for (int y = picture->bounds.y2 - 1; y >= picture->bounds.y1; y--, shared += row)
-        memcpy(shared, pixel_at(picture, picture->bounds.x1, y), row);
+/* Copy a row without the channels that are not wanted. */
+static void copy_channels(const Picture *picture, const unsigned char *row, unsigned char *out, const char *channels) {
+    size_t number = number_bytes(picture);
+    for (int x = 0; x < rect_width(picture->bounds); x++, row += number * (size_t)picture->channels)
+        for (const char *channel = channels; *channel; channel++, out += number)
+            memcpy(out, row + number * (size_t)(strchr(RGBA, *channel) - RGBA), number);
+}
+
+/* Copy all pixels into shared memory, the highest row first, without gaps. `channels` are those that are wanted of RGBA;
+   of a clip of alpha alone it is always its one channel. */
+void picture_copy_out(const Picture *picture, unsigned char *shared, const char *channels) {
+    int whole = picture->channels == 1 || strcmp(channels, RGBA) == 0;
+    size_t count = whole ? (size_t)picture->channels : strlen(channels);
+    size_t row = (size_t)rect_width(picture->bounds) * count * number_bytes(picture);
+    for (int y = picture->bounds.y2 - 1; y >= picture->bounds.y1; y--, shared += row) {
+        const unsigned char *from = pixel_at(picture, picture->bounds.x1, y);
+        if (whole)
+            memcpy(shared, from, row);
+        else
+            copy_channels(picture, from, shared, channels);
+    }
 }
 
 /* Make a window of an image black and transparent. */

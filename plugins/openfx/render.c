@@ -65,6 +65,10 @@ static PictureResult fetch_pictures(Frame *frame, char *why) {
     if (found != PICTURE_HERE) return PICTURE_WRONG;
     found = picture_fetch(&frame->source, instance->source, frame->time, "Source", why);
     if (found != PICTURE_HERE) return found;
+    if (frame->source.channels != 4 || frame->output.channels != 4) {
+        snprintf(why, WHY_ROOM, "Flowabs works on RGBA, the host gave a Source or an Output of alpha alone");
+        return PICTURE_WRONG;
+    }
     if (picture_fetch(&frame->mask, instance->mask, frame->time, "Mask", why) == PICTURE_WRONG) return PICTURE_WRONG;
     for (int i = 0; i < instance->effect->clip_count; i++)
         if (picture_fetch(&frame->clips[i], instance->clips[i], frame->time, instance->effect->clips[i].name, why) ==
@@ -86,7 +90,8 @@ static void release_pictures(Frame *frame) {
 /* Return a place in memory rounded up. */
 static size_t aligned(size_t bytes) { return (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT; }
 
-/* Add a picture in shared memory to the request: on a window of the host, y up, the server's y goes down. */
+/* Add a picture in shared memory to the request: on a window of the host, y up, the server's y goes down. Of one channel
+   the server asks no name: it is "A". */
 static void add_picture(
     Text *out, const Frame *frame, const Picture *picture, OfxRectI window, int memory, size_t offset, const char *colorspace,
     const char *channels
@@ -95,8 +100,9 @@ static void add_picture(
         out,
         "{\"memory\": %d, \"offset\": %zu, \"width\": %d, \"height\": %d, \"channels\": \"%s\", \"dtype\": \"%s\", "
         "\"row_bytes\": %zu, \"alpha\": \"%s\", \"window\": [%d, %d], \"display\": [0, 0, %d, %d], \"colorspace\": ",
-        memory, offset, rect_width(window), rect_height(window), channels, picture->half ? "float16" : "float32",
-        (size_t)rect_width(window) * (size_t)picture->channels * (picture->half ? 2 : 4), picture->alpha,
+        memory, offset, rect_width(window), rect_height(window), channels[1] ? channels : "A",
+        picture->half ? "float16" : "float32",
+        (size_t)rect_width(window) * strlen(channels) * (picture->half ? 2 : 4), picture->alpha,
         window.x1 - frame->display.x1, frame->display.y2 - window.y2, rect_width(frame->display), rect_height(frame->display)
     );
     text_add_string(out, colorspace);
@@ -138,7 +144,7 @@ static int write_request(Frame *frame, Block *block, OfxRectI wanted, size_t *re
     text_add(out, ", \"given\": {");
     text_add_string(out, effect->plate);
     text_add(out, ": ");
-    picture_copy_out(&frame->source, block->shared.bytes);
+    picture_copy_out(&frame->source, block->shared.bytes, "RGBA");
     add_picture(out, frame, &frame->source, frame->source.bounds, block->number, 0, colorspace, "RGBA");
     for (int i = 0; i < effect->clip_count; i++) {
         const Picture *picture = &frame->clips[i];
@@ -146,8 +152,8 @@ static int write_request(Frame *frame, Block *block, OfxRectI wanted, size_t *re
         text_add(out, ", ");
         text_add_string(out, effect->clips[i].given);
         text_add(out, ": ");
-        picture_copy_out(picture, block->shared.bytes + at);
         const char *channels = picture->channels == 1 ? "A" : effect->clips[i].channels;
+        picture_copy_out(picture, block->shared.bytes + at, channels);
         add_picture(out, frame, picture, picture->bounds, block->number, at, colorspace, channels);
         at += aligned(picture_bytes(picture, picture->bounds));
     }
