@@ -13,6 +13,7 @@ import numpy.typing as npt
 from flowabs_nodes.engine.error_boundary import error_boundary
 from flowabs_nodes.engine.plan import named_result
 from flowabs_nodes.errors import Cancelled, CommandError, FlowabsError
+from flowabs_nodes.graph import GraphError
 from flowabs_nodes.serve.fields import Fields
 from flowabs_nodes.serve.framing import Buffer
 from flowabs_nodes.serve.pictures import Picture, picture
@@ -142,8 +143,12 @@ class Render:
 
 
 def failure(error: FlowabsError) -> dict[str, Any]:
-    """Return the answer that tells an error."""
-    return {"ok": False, "error": error.to_dict()}
+    """Return the answer that tells an error; of a graph's problems the message tells the first."""
+    told = error.to_dict()
+    if isinstance(error, GraphError):
+        first = next((each for each in error.problems if not each.warning), None)
+        told["message"] += f": {first}" if first is not None else ""
+    return {"ok": False, "error": told}
 
 
 def _at(place: str, work: Callable[..., Made], *arguments: Any) -> Made:

@@ -27,6 +27,8 @@ _HEARTBEAT = 0.1  # seconds between two looks at whether a signal came
 _MOST_CLIENTS = 64
 _PATIENCE = 10.0  # seconds that a client may take to say its token
 _MOST_FIRST_WORDS = 4096  # bytes of the message that says it
+_LAST_WORDS = 0.5  # seconds that a client may take to hear why its connection ends
+_MOST_UNREAD = 64  # pieces of 64 kB that it may have sent in vain
 
 
 class Server:
@@ -105,7 +107,7 @@ class Server:
                     outbox.close()
                 else:
                     _tell(stream, refused)
-                _shut(client)
+                _hang_up(client)
             finally:
                 self._clients.release()
 
@@ -133,6 +135,16 @@ def _tell(stream: ByteStream, error: FlowabsError) -> None:
     """Tell a client why it is not served."""
     with suppress(OSError):
         write_message(stream, packed({"id": None, **failure(error)}))
+
+
+def _hang_up(client: socket.socket) -> None:
+    """End a connection so that the last words arrive: a system that is closed with bytes unread drops them."""
+    with suppress(OSError):
+        client.shutdown(socket.SHUT_WR)
+        client.settimeout(_LAST_WORDS)
+        for _ in range(_MOST_UNREAD):
+            if not client.recv(2**16):
+                return
 
 
 def _shut(client: socket.socket) -> None:
