@@ -188,8 +188,19 @@ int instance_values(const Instance *instance, OfxTime time, Text *out, char *why
 
 /* ---------------------------------------------------------------------- messages */
 
+/* Cut off what is left of a character that did not fit whole into a text of UTF-8. */
+static void cut_half_character(char *text) {
+    size_t end = strlen(text), at = end;
+    while (at > 0 && end - at < 3 && ((unsigned char)text[at - 1] & 0xC0) == 0x80) at--;
+    if (at == 0) return;
+    unsigned char first = (unsigned char)text[at - 1];
+    size_t needed = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : first >= 0xC0 ? 2 : 1;
+    if (needed > 1 && end - at + 1 < needed) text[at - 1] = 0;
+}
+
 /* Tell the artist something: on the node until it is over, or as the host can, or at least in its log. */
-void say(Instance *instance, const char *type, const char *text) {
+void say(Instance *instance, const char *type, char *text) {
+    cut_half_character(text);
     if (host.messages) {
         host.messages->setPersistentMessage(instance->handle, type, "flowabs", "%s", text);
         instance->has_message = 1;

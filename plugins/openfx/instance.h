@@ -20,7 +20,7 @@ double instance_mix(const Instance *instance, OfxTime time);
 int instance_int(const Instance *instance, Role role, OfxTime time);
 const char *instance_string(const Instance *instance, Role role, OfxTime time);
 int instance_values(const Instance *instance, OfxTime time, Text *out, char *why);
-void say(Instance *instance, const char *type, const char *text);
+void say(Instance *instance, const char *type, char *text);
 void say_nothing(Instance *instance);
 
 #endif

@@ -236,8 +236,9 @@ OfxStatus render(OfxImageEffectHandle handle, OfxPropertySetHandle in) {
         say(frame.instance, kOfxMessageError, why);
         return pictures == PICTURE_WRONG ? kOfxStatErrImageFormat : kOfxStatFailed;
     }
+    snprintf(why, sizeof why, "the host gave a part of the picture only: lines may not meet at its edges");
     if (part)
-        say(frame.instance, kOfxMessageWarning, "the host gave a part of the picture only: lines may not meet at its edges");
+        say(frame.instance, kOfxMessageWarning, why);
     else
         say_nothing(frame.instance);
     return kOfxStatOK;

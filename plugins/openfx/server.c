@@ -261,19 +261,39 @@ void server_end(void) {
 
 /* ---------------------------------------------------------------------- calling */
 
-/* Write an error that the server answered with, as one sentence: where it happened, what, and the hint. */
+/* Add words, and the mark behind them, if there are any. */
+static void add_words(Text *out, const char *before, const char *words, const char *after) {
+    if (*words) text_add(out, "%s%s%s", before, words, after);
+}
+
+/* Add one of the problems of a graph: of a knob that the host has set, its name is enough. */
+static void add_problem(Text *out, const Json *problem) {
+    const char *place = json_string(problem, "pointer", ""), *set = "--set ";
+    int knob = strncmp(place, set, strlen(set)) == 0;
+    add_words(out, knob ? "parameter " : "", knob ? place + strlen(set) : place, ": ");
+    text_add(out, "expected %s, found ", json_string(problem, "expected", "something else"));
+    text_add(out, "%s", json_string(problem, "found", "something"));
+    add_words(out, " (", json_string(problem, "hint", ""), ")");
+}
+
+/* Write an error that the server answered with as one text: where it happened, what, and the hint. */
 static void describe_error(const Json *answer, char *why) {
-    const Json *error = json_get(answer, "error");
-    const char *node = json_string(error, "node", ""), *parameter = json_string(error, "parameter", "");
+    const Json *error = json_get(answer, "error"), *problems = json_at(json_get(error, "problems"), 0);
     const char *message = json_string(error, "message", "the server gave no reason");
-    const char *file = json_string(error, "file", ""), *hint = json_string(error, "hint", "");
-    int says_file = *file && !strstr(message, file);
-    int says_parameter = *parameter && strncmp(message, parameter, strlen(parameter)) != 0;
-    snprintf(
-        why, WHY_ROOM, "%.300s%s%s%.100s%s%s%.100s%s%.400s%s%.200s%s", says_file ? file : "", says_file ? ": " : "",
-        *node ? "node '" : "", node, *node ? "': " : "", says_parameter ? "parameter " : "", says_parameter ? parameter : "",
-        says_parameter ? ": " : "", message, *hint ? " (" : "", hint, *hint ? ")" : ""
-    );
+    const char *file = json_string(error, "file", ""), *parameter = json_string(error, "parameter", "");
+    int of_knob = strncmp(json_string(problems, "pointer", ""), "--set ", 6) == 0;
+    Text out = {0};
+    if (!of_knob && !strstr(message, file)) add_words(&out, "", file, ": ");
+    add_words(&out, "node '", json_string(error, "node", ""), "': ");
+    if (strncmp(message, parameter, strlen(parameter)) != 0) add_words(&out, "parameter ", parameter, ": ");
+    if (!problems) text_add(&out, "%s", message);
+    for (const Json *problem = problems; problem; problem = problem->next) {
+        if (problem != problems) text_add(&out, "; ");
+        add_problem(&out, problem);
+    }
+    add_words(&out, " (", json_string(error, "hint", ""), ")");
+    snprintf(why, WHY_ROOM, "%s", out.failed ? "there is not enough memory" : out.chars);
+    text_free(&out);
 }
 
 /* Ask a server for a sign of life that has said nothing for a while, and end it if it gives none; under the guard. */
