@@ -21,6 +21,7 @@ from flowabs_nodes.graph.model import Graph
 from flowabs_nodes.graph.shipped import shipped
 from flowabs_nodes.graph.values import Curve, FromKnob
 from flowabs_nodes.nodes.declare import Param
+from flowabs_nodes.port_types import TYPES
 from flowabs_nodes.serve.describing import described
 
 FORMAT = "flowabs.openfx/1"
@@ -83,9 +84,11 @@ def _graphs(folders: Iterable[Path]) -> Iterator[tuple[str, str]]:
 def effect(identifier: str, source: str) -> dict[str, Any]:
     """Return a graph as an effect. Raises FlowabsError for a graph that is wrong, or that filters no picture."""
     told, graph = described(source, {}, 1), load_graph(source)
-    inputs, outputs = told["inputs"], [output["name"] for output in told["outputs"]]
-    if not inputs:
-        raise FlowabsError("expected a graph that reads a picture, found none that does", code="no-read")
+    inputs = told["inputs"]
+    outputs = [output["name"] for output in told["outputs"] if TYPES[output["type"]].shown]
+    if not inputs or not outputs:
+        found = "that reads a picture" if not inputs else "whose write gets a picture: color, mono or matte"
+        raise FlowabsError(f"expected a graph {found}", code="no-effect")
     labels = _output_labels(graph)
     return {
         "identifier": identifier,
