@@ -58,7 +58,7 @@ def render_many(frames: int, kills: int, seed: int = 1, side: int = 96) -> Outco
     plate = read_image(str(PICTURE)).pixels[:side, : side * 3 // 2]
     source = np.ones((*plate.shape[:2], 4), np.float32)
     source[..., :3] = plate
-    with tempfile.TemporaryDirectory() as folder, Session(GRAPH, on_event=lambda event: None) as python:
+    with tempfile.TemporaryDirectory() as folder, Session(GRAPH, cache_bytes=2**20, on_event=lambda event: None) as python:
         made, _ = bundle.build(Path(folder), [])
         python.given(plate=Image.from_array(source))
         host = host_module.Host(next(made.glob("Contents/*/Flowabs.ofx")))
@@ -67,7 +67,7 @@ def render_many(frames: int, kills: int, seed: int = 1, side: int = 96) -> Outco
         instance.clips["Output"].connect(images.Held(np.zeros_like(source)))
         before: dict[str, float] = {}
         for frame in range(frames):
-            if frame == 10:
+            if frame == 50:
                 before = _counts(processes)
             values = {"line_width": chance.uniform(0.5, 2.5), "levels": chance.randint(4, 16)}
             instance.set(**values)
