@@ -1,4 +1,4 @@
-"""Renders of a real server: bits are those of a run in this process; cancelled at once; a server that dies is replaced."""
+"""Renders of a real server: the bits of a run here; cancelled at once; a server that dies is replaced."""
 
 import os
 import signal
