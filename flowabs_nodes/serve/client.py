@@ -120,7 +120,7 @@ class Client:
 
     def _new_memories(self) -> Memories:
         link = self._link
-        return Memories(lambda words: link.ask(words).words)
+        return Memories(lambda words: link.ask(words).words, link.tell)
 
     # ------------------------------------------------------------------ asking
 

@@ -21,7 +21,7 @@ CHANNELS = ("RGBA", "RGB", "A")
 DATA_TYPES = ("float32", "float16", "uint8", "uint16")
 ALPHAS = ("premultiplied", "straight", "opaque")
 _PLACE = ("memory", "offset", "width", "height", "channels", "dtype", "row_bytes", "rows")
-_MEANING = ("colorspace", "alpha", "window", "display")
+_MEANING = ("colorspace", "alpha", "window", "display", "content")
 
 _MOST = 2**31 - 1  # of a width, a height
 
@@ -30,6 +30,7 @@ _MOST = 2**31 - 1  # of a width, a height
 class Picture:
     """Where a host's pixels lie, how, and what they mean: PICTURE of docs/serve.md.
 
+    ``content`` is the client's name for these very pixels, "" is none: with the same name they are the same, bit for bit.
     ``memory`` None is the message's payload. ``width`` and ``height`` None, only where a picture is to be written, are
     those of the result. ``row_bytes`` 0 are rows without gaps.
     """
@@ -47,6 +48,7 @@ class Picture:
     alpha: str
     window: tuple[int, int]
     display: tuple[int, ...] | None
+    content: str = ""
 
     # ------------------------------------------------------------------ layout
 
@@ -233,4 +235,5 @@ def picture(
         alpha=found.word("alpha", ALPHAS, "premultiplied"),
         window=(x, y),
         display=found.numbers("display", 4),
+        content=found.get("content", str, ""),
     )

@@ -130,8 +130,9 @@ class Render:
         for name, each in self._given.items():
             result = named_result(session.graph, name, self._frame)
             port = session.graph.nodes[result.node].declaration.all_outputs[result.output]
-            given[name] = _at(f"given.{name}", each.image, port.types, self._payloads.get(name))
-        held.give(session, given)
+            kept = held.kept(name, each)
+            given[name] = kept or _at(f"given.{name}", each.image, port.types, self._payloads.get(name))
+        held.give(session, given, self._given)
         images = session.run(list(self._into), self._frame, self._scale, scaled=self._scaled)
         written, payload = {}, list[Buffer]()
         for name, target in self._into.items():

@@ -18,6 +18,7 @@ from flowabs_nodes.errors import Cancelled
 from flowabs_nodes.graph.shipped import resolve
 from flowabs_nodes.image import Image
 from flowabs_nodes.io.settings import Settings
+from flowabs_nodes.serve.pictures import Picture
 from flowabs_nodes.simd.bands import available_threads
 
 _PATIENCE = 0.02  # seconds between two looks at whether a render that waits for its turn was cancelled
@@ -47,6 +48,7 @@ class HeldSession:
         self._loaded: tuple[object, ...] = ()
         self._values: Mapping[str, Any] = {}
         self._given: dict[str, Image] = {}
+        self._described: dict[str, Picture] = {}  # what each that is given was made of
         self._tell: Tell | None = None
         self._cancelled: object = None  # the flag of the render that is at work
 
@@ -92,11 +94,16 @@ class HeldSession:
             self._values = dict(values)
         return session
 
-    def give(self, session: Session, images: Mapping[str, Image]) -> None:
-        """Give the session these pictures and no others."""
+    def kept(self, name: str, picture: Picture) -> Image | None:
+        """Return the image that stands in for an output, if it was made of this very picture, whose content has a name."""
+        same = picture.content and picture == self._described.get(name)
+        return self._given.get(name) if same else None
+
+    def give(self, session: Session, images: Mapping[str, Image], made_of: Mapping[str, Picture]) -> None:
+        """Give the session these images, made of these pictures, and no others."""
         pictures: dict[str, Any] = {**dict.fromkeys(self._given), **images}
         session.given(pictures)
-        self._given = dict(images)
+        self._given, self._described = dict(images), dict(made_of)
 
     @property
     def bytes(self) -> int:

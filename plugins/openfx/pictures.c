@@ -96,27 +96,35 @@ static unsigned char *pixel_at(const Picture *picture, int x, int y) {
     return picture->data + rows * picture->row_bytes + columns * picture->channels * (ptrdiff_t)number_bytes(picture);
 }
 
-/* Copy a row without the channels that are not wanted. */
-static void copy_channels(const Picture *picture, const unsigned char *row, unsigned char *out, const char *channels) {
+/* Copy a row without the channels that are not wanted; return whether that changed anything. */
+static int copy_channels(const Picture *picture, const unsigned char *row, unsigned char *out, const char *channels) {
     size_t number = number_bytes(picture);
+    int changed = 0;
     for (int x = 0; x < rect_width(picture->bounds); x++, row += number * (size_t)picture->channels)
-        for (const char *channel = channels; *channel; channel++, out += number)
-            memcpy(out, row + number * (size_t)(strchr(RGBA, *channel) - RGBA), number);
+        for (const char *channel = channels; *channel; channel++, out += number) {
+            const unsigned char *from = row + number * (size_t)(strchr(RGBA, *channel) - RGBA);
+            changed |= memcmp(out, from, number) != 0;
+            memcpy(out, from, number);
+        }
+    return changed;
 }
 
-/* Copy all pixels into shared memory, the highest row first, without gaps. `channels` are those that are wanted of RGBA;
-   of a clip of alpha alone it is always its one channel. */
-void picture_copy_out(const Picture *picture, unsigned char *shared, const char *channels) {
-    int whole = picture->channels == 1 || strcmp(channels, RGBA) == 0;
+/* Copy all pixels into shared memory, the highest row first, without gaps; return whether that changed anything there.
+   `channels` are those that are wanted of RGBA; of a clip of alpha alone it is always its one channel. */
+int picture_copy_out(const Picture *picture, unsigned char *shared, const char *channels) {
+    int whole = picture->channels == 1 || strcmp(channels, RGBA) == 0, changed = 0;
     size_t count = whole ? (size_t)picture->channels : strlen(channels);
     size_t row = (size_t)rect_width(picture->bounds) * count * number_bytes(picture);
     for (int y = picture->bounds.y2 - 1; y >= picture->bounds.y1; y--, shared += row) {
         const unsigned char *from = pixel_at(picture, picture->bounds.x1, y);
-        if (whole)
+        if (!whole) {
+            changed |= copy_channels(picture, from, shared, channels);
+        } else if (memcmp(shared, from, row) != 0) { /* of another picture this ends at once */
             memcpy(shared, from, row);
-        else
-            copy_channels(picture, from, shared, channels);
+            changed = 1;
+        }
     }
+    return changed;
 }
 
 /* Make a window of an image black and transparent. */

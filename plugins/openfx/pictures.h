@@ -27,7 +27,7 @@ int rect_height(OfxRectI rect);
 OfxRectI rect_common(OfxRectI one, OfxRectI other);
 
 size_t picture_bytes(const Picture *picture, OfxRectI window);
-void picture_copy_out(const Picture *picture, unsigned char *shared, const char *channels);
+int picture_copy_out(const Picture *picture, unsigned char *shared, const char *channels);
 void picture_clear(const Picture *picture, OfxRectI window);
 
 /* What is laid over what: the result of the server, on its window, over the source, by mask times mix. */

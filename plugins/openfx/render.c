@@ -93,20 +93,30 @@ static size_t aligned(size_t bytes) { return (bytes + ALIGNMENT - 1) / ALIGNMENT
 /* Add a picture in shared memory to the request: on a window of the host, y up, the server's y goes down. Of one channel
    the server asks no name: it is "A". */
 static void add_picture(
-    Text *out, const Frame *frame, const Picture *picture, OfxRectI window, int memory, size_t offset, const char *colorspace,
-    const char *channels
+    Text *out, const Frame *frame, const Picture *picture, OfxRectI window, const Block *block, size_t offset,
+    const char *colorspace, const char *channels
 ) {
     text_add(
         out,
         "{\"memory\": %d, \"offset\": %zu, \"width\": %d, \"height\": %d, \"channels\": \"%s\", \"dtype\": \"%s\", "
         "\"row_bytes\": %zu, \"alpha\": \"%s\", \"window\": [%d, %d], \"display\": [0, 0, %d, %d], \"colorspace\": ",
-        memory, offset, rect_width(window), rect_height(window), channels[1] ? channels : "A",
+        block->number, offset, rect_width(window), rect_height(window), channels[1] ? channels : "A",
         picture->half ? "float16" : "float32",
         (size_t)rect_width(window) * strlen(channels) * (picture->half ? 2 : 4), picture->alpha,
         window.x1 - frame->display.x1, frame->display.y2 - window.y2, rect_width(frame->display), rect_height(frame->display)
     );
     text_add_string(out, colorspace);
-    text_add(out, "}");
+}
+
+/* Copy a picture into shared memory, and add it to those that are given. Its content has the same name as long as nothing
+   in the block has changed: then the server need not look at it again. */
+static void give_picture(
+    Text *out, const Frame *frame, const Picture *picture, Block *block, size_t offset, const char *colorspace,
+    const char *channels
+) {
+    if (picture_copy_out(picture, block->shared.bytes + offset, channels)) block->stamp++;
+    add_picture(out, frame, picture, picture->bounds, block, offset, colorspace, channels);
+    text_add(out, ", \"content\": \"%d.%d.%lu\"}", block->run, block->number, block->stamp);
 }
 
 /* Return the name of the colour space that the host's pixels are in. */
@@ -126,7 +136,7 @@ static const char *output_of(const Frame *frame) {
 
 /* Write the request to render, and copy the pictures to where it says. `wanted` is the window to be delivered, at
    `result` in the block. Return whether it can be asked; `why` says why not. */
-static int write_request(Frame *frame, Block *block, OfxRectI wanted, size_t *result, Text *out, char *why) {
+static int write_request(Frame *frame, Block *block, OfxRectI wanted, size_t result, Text *out, char *why) {
     const Effect *effect = frame->instance->effect;
     const char *colorspace = colorspace_of(frame), *output = output_of(frame);
     size_t at = aligned(picture_bytes(&frame->source, frame->source.bounds));
@@ -135,6 +145,8 @@ static int write_request(Frame *frame, Block *block, OfxRectI wanted, size_t *re
         snprintf(why, WHY_ROOM, "parameter %s", problem);
         return 0;
     }
+    if (block->result != result) block->stamp++; /* pictures may lie where a result was */
+    block->result = result;
     text_add(out, ", \"session\": \"%s\", \"graph\": ", frame->instance->session);
     text_add_string(out, effect->graph);
     text_add(out, ", \"frame\": %d, \"scale\": ", (int)floor(frame->time + 0.5));
@@ -144,25 +156,21 @@ static int write_request(Frame *frame, Block *block, OfxRectI wanted, size_t *re
     text_add(out, ", \"given\": {");
     text_add_string(out, effect->plate);
     text_add(out, ": ");
-    picture_copy_out(&frame->source, block->shared.bytes, "RGBA");
-    add_picture(out, frame, &frame->source, frame->source.bounds, block->number, 0, colorspace, "RGBA");
+    give_picture(out, frame, &frame->source, block, 0, colorspace, "RGBA");
     for (int i = 0; i < effect->clip_count; i++) {
         const Picture *picture = &frame->clips[i];
         if (!picture->image) continue;
         text_add(out, ", ");
         text_add_string(out, effect->clips[i].given);
         text_add(out, ": ");
-        const char *channels = picture->channels == 1 ? "A" : effect->clips[i].channels;
-        picture_copy_out(picture, block->shared.bytes + at, channels);
-        add_picture(out, frame, picture, picture->bounds, block->number, at, colorspace, channels);
+        give_picture(out, frame, picture, block, at, colorspace, picture->channels == 1 ? "A" : effect->clips[i].channels);
         at += aligned(picture_bytes(picture, picture->bounds));
     }
     text_add(out, "}, \"into\": {");
     text_add_string(out, output);
     text_add(out, ": ");
-    add_picture(out, frame, &frame->output, wanted, block->number, at, colorspace, "RGBA");
-    text_add(out, "}");
-    *result = at;
+    add_picture(out, frame, &frame->output, wanted, block, result, colorspace, "RGBA");
+    text_add(out, "}}");
     if (out->failed) snprintf(why, WHY_ROOM, "there is not enough memory");
     return !out->failed;
 }
@@ -172,18 +180,17 @@ static ServerResult filter(Frame *frame, char *why) {
     Text request = {0};
     Block *block = NULL;
     OfxRectI wanted = rect_common(frame->window, frame->source.bounds);
-    size_t size = aligned(picture_bytes(&frame->source, frame->source.bounds)), place = 0;
+    size_t place = aligned(picture_bytes(&frame->source, frame->source.bounds));
     for (int i = 0; i < frame->instance->effect->clip_count; i++)
-        if (frame->clips[i].image) size += aligned(picture_bytes(&frame->clips[i], frame->clips[i].bounds));
-    size += aligned(picture_bytes(&frame->output, wanted));
+        if (frame->clips[i].image) place += aligned(picture_bytes(&frame->clips[i], frame->clips[i].bounds));
     if (!rect_width(wanted)) {
         picture_clear(&frame->output, frame->window);
         return SERVER_DONE;
     }
     ServerResult result = server_start(wants_no_more, frame, why);
-    if (result == SERVER_DONE) result = server_block(size, &block, why);
+    if (result == SERVER_DONE) result = server_block(place + picture_bytes(&frame->output, wanted), &block, why);
     if (result != SERVER_DONE) return result;
-    if (write_request(frame, block, wanted, &place, &request, why))
+    if (write_request(frame, block, wanted, place, &request, why))
         result = server_call("render", &request, wants_no_more, frame, why);
     else
         result = SERVER_REFUSED;

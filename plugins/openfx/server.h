@@ -22,6 +22,8 @@ typedef struct Block {
     int number;
     int run; /* which start of the server knows it */
     int used;
+    size_t result;        /* where the server was last told to write */
+    unsigned long stamp;  /* counts the changes of what lies before that place */
     struct Block *next;
 } Block;
 

@@ -1,4 +1,4 @@
-"""Renders of a real server: bits are those of a run in this process; cancelled at once; a server that dies is replaced."""
+"""Renders of a real server: the bits of a run here; cancelled at once; a server that dies is replaced."""
 
 import os
 import signal
@@ -289,6 +289,27 @@ def test_a_client_that_is_closed_starts_nothing(graph):
     client.close()
     with pytest.raises(ServerDied):
         client.render(graph, {"plate": plate()}, ["bright"])
+
+
+def mapped(pid):
+    """Return how many memories of clients a process has mapped."""
+    with open(f"/proc/{pid}/maps") as maps:
+        return sum("/flowabs-" in line for line in maps)
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="nobody tells what is mapped")
+def test_memory_is_let_go_with_the_arrays_in_it_on_both_sides(graph):
+    before = mapped("self")
+    with Client() as client:
+        pid = client.hello()["pid"]
+        kept = client.array((10, 10, 4))
+        for size in range(1, 40):
+            pixels = client.array((size, 7, 4))
+            client.render(graph, {"plate": pixels}, {"bright": np.zeros((size * size, 3, 4), np.float32)})
+        del pixels
+        client.render(graph, {"plate": kept}, {"bright": kept})
+        assert client.hello()
+        assert mapped(pid) == mapped("self") - before <= 8
 
 
 @pytest.mark.skipif(not os.path.isdir("/dev/shm"), reason="memory is elsewhere")

@@ -78,7 +78,7 @@ def test_a_stream_that_ends_within_a_message_has_no_more(length):
     ],
 )
 def test_what_is_no_message_is_refused_in_a_sentence(data, said):
-    with pytest.raises(BadMessage, match="^payload: |^expected|^the other side|JSON") as raised:
+    with pytest.raises(BadMessage, match=r"^payload: |^expected|^the other side|JSON") as raised:
         read_message(stream(data), 10)
     assert said in str(raised.value)
 
