@@ -1,4 +1,4 @@
-"""Describe graphs as OpenFX effects: what ``effects.json`` of the bundle holds, from which the plug-in describes itself.
+"""Describe graphs as OpenFX effects: what ``effects.json`` holds, from which the plug-in describes itself.
 
 A host lists its plug-ins at each start, hence nothing may be started for it: whatever it asks for stands in that file.
 """
@@ -147,7 +147,7 @@ def _varies(graph: Graph) -> bool:
 
 
 def _params(graph: Graph, knobs: Iterable[Mapping[str, Any]], outputs: list[str]) -> list[dict[str, Any]]:
-    """Return the parameters as a panel shows them: which output, the graph's knobs, and how the effect sits in a host."""
+    """Return the parameters as a panel shows them: which output, the graph's knobs, mix and colour space."""
     own: list[dict[str, Any]] = []
     if len(outputs) > 1:
         own.append(_choice("output", outputs, "Output", "Which of the graph's pictures to give."))
@@ -166,8 +166,15 @@ def _params(graph: Graph, knobs: Iterable[Mapping[str, Any]], outputs: list[str]
 def _choice(role: str, labels: list[str], label: str, hint: str) -> dict[str, Any]:
     """Return a parameter of the effect's own that chooses one of several, by place."""
     return {
-        **{"name": role, "role": role, "type": "choice", "default": 0, "group": ""},
-        **{"labels": labels, "words": labels, "label": label, "hint": hint},
+        "name": role,
+        "role": role,
+        "type": "choice",
+        "default": 0,
+        "group": "",
+        "labels": labels,
+        "words": labels,
+        "label": label,
+        "hint": hint,
     }
 
 
@@ -220,7 +227,7 @@ def _driven(graph: Graph, name: str) -> Param | None:
 
 
 def _grouped(params: list[dict[str, Any]], taken: set[str]) -> list[dict[str, Any]]:
-    """Return parameters with those of a group side by side, each group where its first one stands, under a legal name."""
+    """Return parameters with those of a group side by side, where its first one stands, under a legal name."""
     order = {group: place for place, group in reversed(list(enumerate(each["group"] for each in params)))}
     names = taken | {each["name"] for each in params}
     places = [(order[each["group"]] if each["group"] else place, place) for place, each in enumerate(params)]

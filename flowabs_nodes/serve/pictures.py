@@ -30,7 +30,7 @@ _MOST = 2**31 - 1  # of a width, a height
 class Picture:
     """Where a host's pixels lie, how, and what they mean: PICTURE of docs/serve.md.
 
-    ``content`` is the client's name for these very pixels, "" is none: with the same name they are the same, bit for bit.
+    ``content`` is the client's name for these very pixels, "" is none: with one name they are the same, bit for bit.
     ``memory`` None is the message's payload. ``width`` and ``height`` None, only where a picture is to be written, are
     those of the result. ``row_bytes`` 0 are rows without gaps.
     """

@@ -95,7 +95,7 @@ class HeldSession:
         return session
 
     def kept(self, name: str, picture: Picture) -> Image | None:
-        """Return the image that stands in for an output, if it was made of this very picture, whose content has a name."""
+        """Return the image that stands in for an output, if it was made of this very picture, content and all."""
         same = picture.content and picture == self._described.get(name)
         return self._given.get(name) if same else None
 

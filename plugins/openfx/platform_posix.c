@@ -26,7 +26,9 @@
 #if defined(__APPLE__)
 #include <crt_externs.h>
 #define environ (*_NSGetEnviron())
+#if !defined(MSG_NOSIGNAL)
 #define MSG_NOSIGNAL 0 /* the socket has SO_NOSIGPIPE instead */
+#endif
 #else
 extern char **environ;
 #endif

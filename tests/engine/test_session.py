@@ -322,7 +322,12 @@ def test_a_run_ends_when_it_is_cancelled_though_its_work_goes_on(held):
     go_on.set()
     session.set({"two.amount": -1})
     session.run()
-    assert ran == ["one", "two", "two", "three"]  # what was finished before is there; "three" of the first run never ran
+    assert ran == [
+        "one",
+        "two",
+        "two",
+        "three",
+    ]  # what was finished before is there; "three" of the first run never ran
 
 
 def test_a_run_that_waits_for_its_turn_is_cancelled_too(held):

@@ -20,9 +20,22 @@ PANEL = {
     "format": "flowabs.graph/1",
     "description": "Every kind of knob.",
     "interface": {
-        "stops": {"type": "float", "default": 0.0, "min": -8, "max": 8, "unit": "stops", "help": "Light.", "group": "A & B"},
+        "stops": {
+            "type": "float",
+            "default": 0.0,
+            "min": -8,
+            "max": 8,
+            "unit": "stops",
+            "help": "Light.",
+            "group": "A & B",
+        },
         "which": {"type": "int", "default": 0, "min": 0, "max": 1, "group": "Choice"},
-        "how": {"type": "enum", "default": "plus", "choices": ["plus", "multiply", "over"], "label": "How it is merged"},
+        "how": {
+            "type": "enum",
+            "default": "plus",
+            "choices": ["plus", "multiply", "over"],
+            "label": "How it is merged",
+        },
         "ink": {"type": "color", "default": [0.0, 0.25, 0.5], "group": "A & B"},
         "adaptive": {"type": "bool", "default": True},
         "turned": {"type": "string", "default": "R,G,B"},
@@ -43,8 +56,16 @@ PANEL = {
             "params": {"operation": {"from": "how"}, "mix": {"from": "mix"}},
         },
         "paper": {"type": "matte@1", "inputs": {"image": "plate"}},
-        "inked": {"type": "composite@1", "inputs": {"image": "moved", "lines": "paper"}, "params": {"ink": {"from": "ink"}}},
-        "far": {"type": "shuffle@1", "inputs": {"image": "depth"}, "params": {"channels": {"R": "Z", "G": "Z", "B": "Z"}}},
+        "inked": {
+            "type": "composite@1",
+            "inputs": {"image": "moved", "lines": "paper"},
+            "params": {"ink": {"from": "ink"}},
+        },
+        "far": {
+            "type": "shuffle@1",
+            "inputs": {"image": "depth"},
+            "params": {"channels": {"R": "Z", "G": "Z", "B": "Z"}},
+        },
         "flow": {"type": "etf@1", "inputs": {"image": "plate"}, "params": {"adaptive": {"from": "adaptive"}}},
         "out": {
             "type": "write@1",
@@ -129,7 +150,7 @@ def elsewhere(library, tmp_path):
 
 
 #: What a server that behaves badly begins with: it says hello, and reads messages.
-FAKE = '''
+FAKE = """
 import json, os, struct, sys, time
 MAGIC = b"FLABS1" + bytes(2)
 def say(words, magic=MAGIC):
@@ -146,7 +167,7 @@ def take(count):
 def hear():
     head = take(16)
     return json.loads(take(struct.unpack("<I", head[8:12])[0]))
-'''
+"""
 
 
 def picture(height=12, width=16, seed=1, alpha=False):

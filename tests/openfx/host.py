@@ -1,8 +1,8 @@
 """A strict host of OpenFX 1.4 in ctypes: it loads a plug-in as Nuke or Resolve would, and notes whatever breaks a rule.
 
 Every call is checked: the handle is of the right kind and alive, the property exists on that object, has that type, and
-may be set; clips and parameters are defined while describing, images are taken while rendering and given back before the
-action ends. What breaks a rule is a line in :attr:`Host.faults`.
+may be set; clips and parameters are defined while describing, images are taken while rendering and given back before
+the action ends. What breaks a rule is a line in :attr:`Host.faults`.
 """
 
 from __future__ import annotations
@@ -271,9 +271,7 @@ class Plugin:
             if param.kind == "OfxParamTypeChoice" and not 0 <= value < len(options):
                 self.host.fault(f"{self.identifier}: {param.name}: no choice {value} of {len(options)}")
 
-    def call(
-        self, action: str, subject: Any, given: Properties | None = None, wanted: Properties | None = None
-    ) -> int:
+    def call(self, action: str, subject: Any, given: Properties | None = None, wanted: Properties | None = None) -> int:
         """Call an action on a descriptor, an instance, or a handle as it is; return its status."""
         made = [self.host.handle(each) if each is not None else None for each in (given, wanted)]
         if isinstance(subject, Descriptor):

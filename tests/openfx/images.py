@@ -22,8 +22,8 @@ DEPTHS = {
 class Layout:
     """How a picture lies in memory.
 
-    ``negative``: the highest row comes first. ``gap``: bytes after each row. ``origin``: x and y, upwards, of the lowest
-    left pixel. ``whole``: the region of definition, None for the bounds.
+    ``negative``: the highest row comes first. ``gap``: bytes after each row. ``origin``: x and y, upwards, of the
+    lowest left pixel. ``whole``: the region of definition, None for the bounds.
     """
 
     depth: str = "OfxBitDepthFloat"
@@ -92,7 +92,7 @@ class Held:
 
     def rows_of(self, window: tuple[int, int, int, int]) -> tuple[slice, slice]:
         """Return the rows and columns of ``pixels`` that a window of the host, y up, covers."""
-        x1, y1, _, y2 = self.bounds
+        x1, _, _, y2 = self.bounds
         return slice(max(0, y2 - window[3]), max(0, y2 - window[1])), slice(max(0, window[0] - x1), window[2] - x1)
 
     def touched_outside(self, window: tuple[int, int, int, int]) -> bool:

@@ -1,4 +1,4 @@
-"""The properties of OpenFX 1.4 by the objects that have them: type, how many values, and whether a plug-in may set them.
+"""The properties of OpenFX 1.4 by the objects that have them: type, number of values, whether a plug-in may set them.
 
 Written from the reference. The test host refuses, and notes as a fault, whatever is not in these tables.
 """
@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 
 class Property(NamedTuple):
-    """What a property holds: "int", "double", "string" or "pointer"; its number of values, 0 for any; who may set it."""
+    """What a property holds: "int", "double", "string" or "pointer"; how many values, 0 for any; who may set it."""
 
     type: str
     count: int = 1
@@ -85,25 +85,22 @@ DESCRIPTOR = (
     )
 )
 
-INSTANCE = (
-    _read(
-        OfxPropType="string",
-        OfxPropLabel="string",
-        OfxImageEffectPropContext="string",
-        OfxImageEffectPropProjectSize="double 2",
-        OfxImageEffectPropProjectOffset="double 2",
-        OfxImageEffectPropProjectExtent="double 2",
-        OfxImageEffectPropPixelAspectRatio="double",
-        OfxImageEffectInstancePropEffectDuration="double",
-        OfxImageEffectPropFrameRate="double",
-        OfxPropIsInteractive="int",
-        OfxImageEffectPropPluginHandle="pointer",
-    )
-    | _set(
-        OfxPropInstanceData="pointer",
-        OfxImageEffectInstancePropSequentialRender="int",
-        OfxImageEffectPropSupportsTiles="int",
-    )
+INSTANCE = _read(
+    OfxPropType="string",
+    OfxPropLabel="string",
+    OfxImageEffectPropContext="string",
+    OfxImageEffectPropProjectSize="double 2",
+    OfxImageEffectPropProjectOffset="double 2",
+    OfxImageEffectPropProjectExtent="double 2",
+    OfxImageEffectPropPixelAspectRatio="double",
+    OfxImageEffectInstancePropEffectDuration="double",
+    OfxImageEffectPropFrameRate="double",
+    OfxPropIsInteractive="int",
+    OfxImageEffectPropPluginHandle="pointer",
+) | _set(
+    OfxPropInstanceData="pointer",
+    OfxImageEffectInstancePropSequentialRender="int",
+    OfxImageEffectPropSupportsTiles="int",
 )
 
 CLIP_DESCRIPTOR = (

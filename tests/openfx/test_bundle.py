@@ -54,7 +54,9 @@ def test_every_function_of_the_source_says_what_it_does():
     for path in sorted(bundle.source_folder().glob("*.c")):
         lines = path.read_text(encoding="utf-8").splitlines()
         for number, line in enumerate(lines[1:], start=1):
-            defines = re.match(r"(?:static |OfxExport )?[\w *]+\b(\w+)\([^;]*$", line) and not line.startswith((" ", "#", "/"))
+            defines = re.match(r"(?:static |OfxExport )?[\w *]+\b(\w+)\([^;]*$", line) and not line.startswith(
+                (" ", "#", "/")
+            )
             if defines and not lines[number - 1].rstrip().endswith("*/"):
                 silent.append(f"{path.name}:{number + 1}: {line}")
     assert silent == []

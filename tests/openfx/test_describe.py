@@ -38,7 +38,11 @@ def test_clips_are_source_output_mask_and_one_for_each_further_read(host, contex
     clips = host.plugin("panel").contexts[context].clips
     assert set(clips) == {"Source", "Output", "Mask", "other", "depth"}
     assert clips["Mask"].props.get("OfxImageClipPropIsMask") == 1
-    assert [name for name, clip in clips.items() if clip.props.get("OfxImageClipPropOptional")] == ["other", "depth", "Mask"]
+    assert [name for name, clip in clips.items() if clip.props.get("OfxImageClipPropOptional")] == [
+        "other",
+        "depth",
+        "Mask",
+    ]
     assert "OfxImageComponentAlpha" in clips["Mask"].props.values["OfxImageEffectPropSupportedComponents"]
 
 
@@ -46,9 +50,20 @@ def test_knobs_are_parameters_of_their_types(host):
     params = host.plugin("panel").contexts[FILTER].params
     types = {name: param.kind.removeprefix("OfxParamType") for name, param in params.items()}
     assert types == {
-        **{"output": "Choice", "mix": "Double", "colorspace": "Choice", "colorspace_name": "String"},
-        **{"stops": "Double", "which": "Integer", "how": "Choice", "ink": "RGB", "adaptive": "Boolean"},
-        **{"turned": "String", "moving": "Double", "mix_knob": "Double", "group_A___B": "Group", "group_Choice": "Group"},
+        "output": "Choice",
+        "mix": "Double",
+        "colorspace": "Choice",
+        "colorspace_name": "String",
+        "stops": "Double",
+        "which": "Integer",
+        "how": "Choice",
+        "ink": "RGB",
+        "adaptive": "Boolean",
+        "turned": "String",
+        "moving": "Double",
+        "mix_knob": "Double",
+        "group_A___B": "Group",
+        "group_Choice": "Group",
     }
 
 
@@ -169,7 +184,9 @@ def test_actions_in_wrong_orders_do_no_harm(elsewhere):
     assert host.faults == []
 
 
-@pytest.mark.parametrize("content", [None, "", "{", '{"format": "other"}', '{"format": "flowabs.openfx/1", "effects": 3}'])
+@pytest.mark.parametrize(
+    "content", [None, "", "{", '{"format": "other"}', '{"format": "flowabs.openfx/1", "effects": 3}']
+)
 def test_a_bundle_without_good_effects_has_no_plugin_and_says_why(elsewhere, content, capfd):
     library = elsewhere()
     file = library.parents[1] / "Resources" / "effects.json"

@@ -195,7 +195,9 @@ def test_what_moves_is_read_at_the_time_of_the_frame(host):
     source = picture(seed=15)
     instance = instance_of(host, "panel", source)
     instance.set(stops=lambda time: time / 10)
-    assert np.array_equal(instance.render(time=6.0), expected(PANEL, source, "pick", frame=6, stops=0.6))  # curve of the graph too
+    assert np.array_equal(
+        instance.render(time=6.0), expected(PANEL, source, "pick", frame=6, stops=0.6)
+    )  # curve of the graph too
     instance.set(moving=2.0)
     assert np.array_equal(instance.render(time=6.0), expected(PANEL, source, "pick", frame=6, stops=0.6, moving=2.0))
     instance.destroy()
@@ -270,7 +272,9 @@ def test_two_instances_at_once_do_not_disturb_each_other(host):
         thread.join()
     assert all(np.array_equal(got[place], wanted[place]) for place in range(4))
     # an action that begins while another one is at work is what the host cannot tell from a wrong order
-    host.faults[:] = [fault for fault in host.faults if "given back" not in fault and "outside of a render" not in fault]
+    host.faults[:] = [
+        fault for fault in host.faults if "given back" not in fault and "outside of a render" not in fault
+    ]
     for instance in instances:
         instance.destroy()
     assert host.taken == host.given_back

@@ -58,7 +58,10 @@ def render_many(frames: int, kills: int, seed: int = 1, side: int = 96) -> Outco
     plate = read_image(str(PICTURE)).pixels[:side, : side * 3 // 2]
     source = np.ones((*plate.shape[:2], 4), np.float32)
     source[..., :3] = plate
-    with tempfile.TemporaryDirectory() as folder, Session(GRAPH, cache_bytes=2**20, on_event=lambda event: None) as python:
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        Session(GRAPH, cache_bytes=2**20, on_event=lambda event: None) as python,
+    ):
         made, _ = bundle.build(Path(folder), [])
         python.given(plate=Image.from_array(source))
         host = host_module.Host(next(made.glob("Contents/*/Flowabs.ofx")))
@@ -167,8 +170,8 @@ def main() -> int:
         print(fault)
     most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print(
-        f"{outcome.frames} frames, {outcome.kills} servers killed in {given.kills} of them; {outcome.failed} failed and "
-        f"said so, {len(outcome.faults)} faults; the longest took {outcome.longest:.1f} s; host {most:.0f} MB at most"
+        f"{outcome.frames} frames, {outcome.kills} servers killed in {given.kills} of them; {outcome.failed} failed "
+        f"and said so, {len(outcome.faults)} faults; the longest took {outcome.longest:.1f} s; host {most:.0f} MB at most"
     )
     return int(bool(outcome.faults))
 

@@ -1,4 +1,4 @@
-"""Frames through the OpenFX plug-in while servers are killed; ``python -m tools.reliability.openfx`` makes a thousand."""
+"""Frames through the OpenFX plug-in while servers are killed; ``tools.reliability.openfx`` makes a thousand."""
 
 import sys
 
