@@ -50,8 +50,8 @@ class SessionCache:
     ) -> dict[str, Image]:
         """Return the outputs ``names`` of a frame; what is held is not computed again.
 
-        ``notes`` fills up; ``tell`` is told which node is at work. ``scaled``: what is given is as small as the options'
-        scale says already. Runs take turns.
+        ``notes`` fills up; ``tell`` is told which node is at work. ``scaled``: what is given is as small already as the
+        options say. Runs take turns.
 
         Raises
         ------

@@ -149,7 +149,7 @@ def test_a_picture_that_is_small_already_gives_the_bits_of_the_large_one_at_that
             "out": {"type": "write@1", "inputs": {"image": "soft"}},
         },
     } | ({"reference_size": reference} if reference else {})
-    image = fa.Image.from_array(plate(64, 48).pixels)
+    image = fa.Image.from_array(np.random.default_rng(5).random((48, 64, 3)).astype(np.float32))
     with Session(document) as proxy:
         proxy.given(plate=scale_image(image, 0.5))
         small = proxy.run(scale=0.5, scaled=True)["soft"].pixels

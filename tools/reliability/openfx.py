@@ -171,7 +171,7 @@ def main() -> int:
     most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print(
         f"{outcome.frames} frames, {outcome.kills} servers killed in {given.kills} of them; {outcome.failed} failed "
-        f"and said so, {len(outcome.faults)} faults; the longest took {outcome.longest:.1f} s; host {most:.0f} MB at most"
+        f"and said so, {len(outcome.faults)} faults; the longest took {outcome.longest:.1f} s; host {most:.0f} MB"
     )
     return int(bool(outcome.faults))
 
