@@ -256,3 +256,14 @@ COMPRESSIONS = Choices(
         "dwab": "DWAB",
     },
 )
+
+
+# ---------------------------------------------------------------------- hosts
+
+#: Which row of a host's picture comes first.
+ROWS = Choices({"top-down": "the top row comes first", "bottom-up": "the lowest row comes first"})
+
+#: How the colours in a host's picture stand to its alpha.
+HOST_ALPHAS = Choices(
+    {"premultiplied": "colours are multiplied by alpha", "straight": "colours are not multiplied by alpha"}
+)

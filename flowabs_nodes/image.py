@@ -11,14 +11,15 @@ import OpenImageIO as oiio
 from flowabs_nodes import color, encodings, image_convert, image_preview, image_state
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ArgumentError
-from flowabs_nodes.image_parts import Origin, PixelSource, Window, as_pixels, check_parts
+from flowabs_nodes.image_exchange import Exchange
+from flowabs_nodes.image_parts import Origin, PixelSource, Window, as_pixels, check_parts, with_channels
 from flowabs_nodes.port_types import PORT_TYPES, PortType, pixel_type
 from flowabs_nodes.simd.read_only import read_only
 
 __all__ = ["PORT_TYPES", "Image", "Origin", "PixelSource", "PortType", "Window"]
 
 
-class Image:
+class Image(Exchange):
     """Pixels on a data window, with metadata: a value, which nothing changes.
 
     Setting an attribute raises AttributeError, and every array that an image gives is read-only. An image can be
@@ -206,7 +207,7 @@ class Image:
             channels = self.channels
         if channels is None:
             raise ArgumentError(f"{count} channels do not make {declared.an_image}", parameter="pixels")
-        spec = image_convert.with_channels(self._spec, channels)
+        spec = with_channels(self._spec, channels)
         spec.height, spec.width = pixels.shape[:2]
         return Image(pixels, spec, type, colorspace=self.colorspace, origin=self.origin)
 
@@ -256,64 +257,3 @@ class Image:
         spec = self.spec
         spec.x, spec.y, spec.width, spec.height = window
         return Image(pixels, spec, self.type, colorspace=self.colorspace, origin=self.origin)
-
-    # ------------------------------------------------------------------ from and to arrays and ImageBufs
-
-    @classmethod
-    def from_array(
-        cls,
-        array: npt.ArrayLike,
-        colorspace: color.ColorSpace | str = "lin_rec709",
-        *,
-        type: PortType | None = None,
-        channels: tuple[str, ...] | None = None,
-    ) -> Image:
-        """Return an image of (H, W) or (H, W, C) numbers, which are copied.
-
-        One channel is mono, two are flow, three or four color, unless ``type`` says else. Color is scene-linear RGB or
-        premultiplied RGBA in ``colorspace``. ``data`` takes any channels, with any names; ids are whole numbers.
-
-        ``colorspace`` may also name an encoding, as :func:`~flowabs_nodes.io.read.read_image` takes it: "sRGB", a
-        camera's log. Color and mono are then decoded to scene-linear (sRGB to linear Rec.709): floats as they are,
-        uint8 and uint16 after division by 255 or 65535; alpha is straight, as in a PNG, and never decoded.
-
-        Raises
-        ------
-        ArgumentError
-            Another shape or dtype; an Image; a uint8 or uint16 picture in a scene-linear space, where white would be
-            255 or 65535 times too bright: name the encoding, or divide; other whole numbers above 8.
-        ColorError
-            ``colorspace`` is no colour space.
-        """
-        if isinstance(array, Image):
-            raise ArgumentError("array: expected numbers, found an Image, which needs no making", parameter="array")
-        parts = image_convert.parts_of_array(array, type, channels)
-        parts, space = image_convert.decoded(parts, np.asarray(array).dtype, colorspace)
-        return cls(*parts, colorspace=space)
-
-    @classmethod
-    def from_imagebuf(
-        cls,
-        buf: oiio.ImageBuf,
-        colorspace: color.ColorSpace | str = "auto",
-        *,
-        type: PortType | None = None,
-        layer: str = "",
-    ) -> Image:
-        """Return an image of an OpenImageIO ImageBuf, with its windows and metadata; channels are found by name.
-
-        With ``type`` None nothing is lost: exactly R, G, B[, A] make a color image, flow.x, flow.y a flow, Y a mono,
-        Z a depth, and so on, any others data with every channel. A ``type`` takes just its own channels of ``layer``
-        ("" = the plain names). ``colorspace`` "auto" asks the metadata (:func:`flowabs_nodes.color.detect`).
-        """
-        parts = image_convert.parts_of_imagebuf(buf, type, layer)
-        if str(colorspace) == "auto" or colorspace is None:
-            colorspace = color.detect(buf.spec()).space
-        return cls(*parts, colorspace=colorspace)
-
-    def to_imagebuf(self) -> oiio.ImageBuf:
-        """Return an ImageBuf of float pixels, uint32 of ids, with this image's channel names, windows and metadata."""
-        spec = self.spec
-        if self.type == "color":
-            spec.attribute("oiio:ColorSpace", self.colorspace.name)
-        return image_convert.imagebuf_of(self.pixels, spec)

@@ -88,3 +88,14 @@ def check_parts(pixels: Array | PixelSource, spec: oiio.ImageSpec, type: str) ->
             f"with {len(names)} channels",
             parameter="pixels",
         )
+
+
+def with_channels(spec: oiio.ImageSpec, names: tuple[str, ...]) -> oiio.ImageSpec:
+    """Return a copy of ``spec`` with these channels, all of its one data type."""
+    copy = oiio.ImageSpec(spec)
+    copy.nchannels = len(names)
+    copy.channelnames = names
+    copy.channelformats = ()
+    copy.alpha_channel = names.index("A") if "A" in names else -1
+    copy.z_channel = -1
+    return copy

@@ -40,6 +40,8 @@ class PixelType:
     blends
         True where ``mask`` and ``mix`` weigh result and input; False where each pixel is one of the two, the result
         from a weight of one half on.
+    light
+        True where the numbers are light, which may come encoded (sRGB, a log); a matte is none, though it is looked at.
     unit
         True where each pixel is a vector of length 1.
     lengths
@@ -66,6 +68,7 @@ class PixelType:
     widens_to: frozenset[str] = frozenset()
     filtered: bool = False
     blends: bool = True
+    light: bool = False
     unit: bool = False
     lengths: tuple[Literal["x", "y"], ...] = ()
     outside: float = 0.0
@@ -129,6 +132,7 @@ _DECLARED: dict[str, PixelType] = {
             help="scene-linear, premultiplied; a grey plate is read as color",
             channels=(("R", "G", "B"), ("R", "G", "B", "A")),
             filtered=True,
+            light=True,
             stored="plate",
         ),
         PixelType(
@@ -138,6 +142,7 @@ _DECLARED: dict[str, PixelType] = {
             channels=(("Y",),),
             widens_to=frozenset({"color"}),
             filtered=True,
+            light=True,
             stored="plate",
             usual=(-10.0, 30.0),
             look="flowabs_nodes.looking.grey:look_at_grey",

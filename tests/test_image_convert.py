@@ -1,4 +1,4 @@
-"""Images from arrays and ImageBufs, and back."""
+"""Images from ImageBufs, and back; pixels on other windows."""
 
 from __future__ import annotations
 
@@ -8,8 +8,14 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 
-from flowabs_nodes.errors import ArgumentError
+from flowabs_nodes import color
+from flowabs_nodes.color.encoding import Encoding
+from flowabs_nodes.color.icc import with_profile
+from flowabs_nodes.color.transfers import SRGB
+from flowabs_nodes.errors import ArgumentError, ColorError
 from flowabs_nodes.image import Image, Window
+from flowabs_nodes.io.color_tags import set_profile
+from flowabs_nodes.io.read import read_image
 from flowabs_nodes.port_types import TYPES
 from flowabs_nodes.testing.pictures import make_input
 
@@ -24,45 +30,6 @@ def buffer(names: tuple[str, ...]) -> oiio.ImageBuf:
     buf = oiio.ImageBuf(spec)
     buf.set_pixels(buf.roi, RANDOM.random((3, 4, len(names)), np.float32))
     return buf
-
-
-@pytest.mark.parametrize(
-    ("shape", "type", "channels"),
-    [
-        ((2, 3), "mono", ("Y",)),
-        ((2, 3, 1), "mono", ("Y",)),
-        ((2, 3, 2), "flow", ("flow.x", "flow.y")),
-        ((2, 3, 3), "color", ("R", "G", "B")),
-        ((2, 3, 4), "color", ("R", "G", "B", "A")),
-        ((2, 3, 5), "data", ("channel0", "channel1", "channel2", "channel3", "channel4")),
-    ],
-)
-def test_the_type_of_an_array_follows_from_its_channels(
-    shape: tuple[int, ...], type: str, channels: tuple[str, ...]
-) -> None:
-    array = RANDOM.random(shape)
-    image = Image.from_array(array)
-    assert (image.type, image.channels) == (type, channels)
-    np.testing.assert_array_equal(image.pixels, array.reshape(2, 3, -1).astype(np.float32))
-
-
-def test_names_that_no_type_has_make_data() -> None:
-    image = Image.from_array(np.zeros((2, 3, 2)), channels=("u", "v"))
-    assert (image.type, image.channels) == ("data", ("u", "v"))
-
-
-def test_an_array_is_copied() -> None:
-    array = np.zeros((2, 3, 3), np.float32)
-    image = Image.from_array(array)
-    array[:] = 1
-    assert image.pixels.max() == 0
-
-
-@pytest.mark.parametrize("array", [np.zeros(3), np.zeros((0, 3)), np.zeros((2, 2), complex), np.zeros((1, 2, 3, 4))])
-def test_other_arrays_are_errors(array: np.ndarray) -> None:
-    with pytest.raises(ArgumentError, match=r"expected numbers of shape \(H, W\)") as error:
-        Image.from_array(array)
-    assert error.value.parameter == "array"
 
 
 @pytest.mark.parametrize(
@@ -129,14 +96,6 @@ def test_on_another_window_pixels_are_cut_and_0_beyond() -> None:
     assert image.on_window(image.data_window) is image
 
 
-def test_an_image_refuses_parts_that_do_not_fit() -> None:
-    with pytest.raises(ArgumentError, match=r"a flow image has the channels flow\.x,flow\.y, not R,G,B"):
-        Image.from_array(np.zeros((2, 3, 3)), type="flow", channels=("R", "G", "B"))
-    with pytest.raises(ArgumentError, match="'colour' is not a port type") as error:
-        Image.from_array(np.zeros((2, 3, 3)), type="colour")  # type: ignore[arg-type]
-    assert "color" in str(error.value.hint)
-
-
 @pytest.mark.parametrize("kind", [name for name, declared in TYPES.items() if declared.channels and name != "matte"])
 def test_the_channels_of_a_buffer_tell_its_type(kind: str) -> None:
     image = make_input(kind, "noise", 6, 8)
@@ -159,54 +118,180 @@ def test_whole_numbers_of_8_bits_are_ids_as_they_are() -> None:
     np.testing.assert_array_equal(Image.from_imagebuf(buf).pixels.ravel(), [3, 255])
 
 
-STORED = np.array([[[0, 55, 255], [128, 200, 10]]])
-LINEAR = np.where(STORED / 255 <= 0.04045, STORED / 255 / 12.92, ((STORED / 255 + 0.055) / 1.055) ** 2.4)
+# ---------------------------------------------------------------------- encodings of ImageBufs
+
+
+def saved(path: Path, codes: np.ndarray, data_type: str, **attributes: object) -> oiio.ImageBuf:
+    """Write a picture with OpenImageIO and return an ImageBuf that reads it."""
+    spec = oiio.ImageSpec(codes.shape[1], codes.shape[0], codes.shape[2], data_type)
+    for name, value in attributes.items():
+        spec.attribute(name.replace("__", ":"), value)
+    output = oiio.ImageOutput.create(str(path))
+    assert output.open(str(path), spec)
+    assert output.write_image(codes)
+    assert output.close()
+    return oiio.ImageBuf(str(path))
+
+
+PHOTO = RANDOM.integers(1, 256, (6, 5, 4), np.uint8)
+RGB8 = np.ascontiguousarray(PHOTO[..., :3])
+
+
+def light(codes: np.ndarray) -> np.ndarray:
+    """Return what sRGB codes are as linear light, by the equation."""
+    unit = codes / np.iinfo(codes.dtype).max
+    return np.where(unit <= 0.04045, unit / 12.92, ((unit + 0.055) / 1.055) ** 2.4)
 
 
 @pytest.mark.parametrize(
-    "array",
-    [STORED.astype(np.uint8), (STORED * 257).astype(np.uint16), STORED / 255, np.float32(STORED / 255)],
-    ids=["uint8", "uint16", "float64", "float32"],
+    ("name", "data_type", "codes"),
+    [
+        ("a.png", "uint8", RGB8),
+        ("a.png", "uint16", RGB8 * np.uint16(257)),
+        ("a.tif", "uint8", RGB8),
+        ("a.tif", "uint16", RGB8 * np.uint16(257)),
+        ("grey.png", "uint8", RGB8[..., :1].copy()),
+    ],
 )
-@pytest.mark.parametrize("name", ["sRGB", "srgb_rec709_scene"])
-def test_an_array_of_srgb_is_decoded(array: np.ndarray, name: str) -> None:
-    image = Image.from_array(array, colorspace=name)
-    np.testing.assert_allclose(image.pixels, LINEAR, atol=2e-6)
-    assert (image.type, image.colorspace.name) == ("color", "lin_rec709")
-    grey = Image.from_array(array[..., 0], colorspace=name)
-    np.testing.assert_allclose(grey.pixels, LINEAR[..., :1], atol=2e-6)
-    assert grey.type == "mono"
+def test_a_photograph_in_a_buffer_is_decoded(tmp_path: Path, name: str, data_type: str, codes: np.ndarray) -> None:
+    buf = saved(tmp_path / name, codes, data_type)
+    image = Image.from_imagebuf(buf)
+    np.testing.assert_allclose(image.pixels, light(codes), atol=2e-6)
+    assert image.colorspace.name == "lin_rec709"
+    np.testing.assert_array_equal(read_image(tmp_path / name).pixels[..., : codes.shape[2]], image.pixels)
+    unit = codes / np.iinfo(codes.dtype).max
+    np.testing.assert_allclose(Image.from_imagebuf(buf, "lin_rec709").pixels, unit, atol=1e-6)  # as the caller says
 
 
-def test_alpha_of_an_encoding_is_straight_and_not_decoded() -> None:
-    rgba = np.concatenate([STORED, np.full((1, 2, 1), 51)], axis=2).astype(np.uint8)
-    image = Image.from_array(rgba, colorspace="sRGB")
-    np.testing.assert_allclose(image.pixels[..., 3], 0.2, rtol=1e-6)
-    np.testing.assert_allclose(image.pixels[..., :3], 0.2 * LINEAR, atol=2e-6)
+def test_a_jpeg_in_a_buffer_is_what_is_read_from_its_file(tmp_path: Path) -> None:
+    smooth = np.ascontiguousarray(np.broadcast_to(np.arange(0, 256, 8, np.uint8)[None, :, None], (32, 32, 3)))
+    buf = saved(tmp_path / "a.jpg", smooth, "uint8")
+    found = Image.from_imagebuf(buf).pixels
+    np.testing.assert_array_equal(found, read_image(tmp_path / "a.jpg").pixels)
+    np.testing.assert_allclose(found, light(smooth), atol=0.03)
 
 
-def test_an_array_of_a_log_is_decoded() -> None:
-    image = Image.from_array(np.full((2, 2, 3), 0.4135884), colorspace="ACEScct")
-    np.testing.assert_allclose(image.pixels, 0.18, atol=1e-3)
-    assert image.colorspace.name == "lin_ap1_scene"
+def test_an_exr_in_a_buffer_stays_light(tmp_path: Path) -> None:
+    pixels = RANDOM.random((6, 5, 4), np.float32)
+    buf = saved(tmp_path / "a.exr", pixels, "float")
+    np.testing.assert_array_equal(Image.from_imagebuf(buf).pixels, pixels)
 
 
-@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
-@pytest.mark.parametrize("space", ["lin_rec709", "lin_ap1_scene"])
-def test_whole_numbers_are_no_light(dtype: type, space: str) -> None:
-    white = np.iinfo(dtype).max
-    for array in (np.full((2, 2, 3), white, dtype), np.full((2, 2, 4), white, dtype), np.full((2, 2), white, dtype)):
-        with pytest.raises(ArgumentError, match=f'white at {white} .divide by {white}, or colorspace="sRGB"'):
-            Image.from_array(array, colorspace=space)
-    with pytest.raises(ArgumentError, match=f"divide by {white}.$"):
-        Image.from_array(np.full((2, 2), white, dtype), type="matte")
+@pytest.mark.parametrize("straight", [False, True])
+def test_alpha_of_a_buffer_is_obeyed(tmp_path: Path, straight: bool) -> None:
+    saved(tmp_path / "a.png", PHOTO, "uint8", oiio__UnassociatedAlpha=1)
+    config = oiio.ImageSpec()
+    config.attribute("oiio:UnassociatedAlpha", int(straight))
+    buf = oiio.ImageBuf(str(tmp_path / "a.png"), 0, 0, config)
+    assert (buf.spec().get_int_attribute("oiio:UnassociatedAlpha") == 1) is straight
+    image = Image.from_imagebuf(buf)
+    alpha = PHOTO[..., 3:] / 255
+    np.testing.assert_allclose(image.pixels[..., 3:], alpha, atol=1e-6)
+    strong = (alpha > 0.5)[..., 0]  # 8 bits of premultiplied codes hold little of the colours under a small alpha
+    expected = light(RGB8) * alpha
+    np.testing.assert_allclose(image.pixels[..., :3][strong], expected[strong], atol=1e-6 if straight else 0.02)
+    assert image.spec.getattribute("oiio:UnassociatedAlpha") is None
 
 
-def test_whole_numbers_that_are_no_picture_stay() -> None:
-    for type in ("depth", "id", "data"):
-        assert Image.from_array(np.full((2, 2), 200, np.uint8), type=type).pixels.max() == 200
+def test_straight_light_is_multiplied_by_alpha() -> None:
+    buf = buffer(("R", "G", "B", "A"))
+    expected = buf.get_pixels(oiio.FLOAT).reshape(3, 4, 4)
+    buf.specmod().attribute("oiio:UnassociatedAlpha", 1)
+    image = Image.from_imagebuf(buf)
+    np.testing.assert_allclose(image.pixels[..., :3], expected[..., :3] * expected[..., 3:], rtol=1e-6)
+    assert Image.from_imagebuf(image.to_imagebuf()).pixels.tobytes() == image.pixels.tobytes()
 
 
-def test_other_whole_numbers_have_no_white() -> None:
-    with pytest.raises(ArgumentError, match="expected uint8, uint16 or floats of sRGB, found int64"):
-        Image.from_array(STORED, colorspace="sRGB")
+def test_a_tag_or_the_caller_says_another_encoding() -> None:
+    codes = np.full((3, 4, 3), 0.4135884, np.float32)
+    buf = oiio.ImageBuf(codes)
+    assert Image.from_imagebuf(buf).pixels[0, 0, 0] == codes[0, 0, 0]  # floats without a tag are light
+    by_name = Image.from_imagebuf(buf, "ACEScct")
+    buf.specmod().attribute("oiio:ColorSpace", "ACEScct")
+    for image in (by_name, Image.from_imagebuf(buf)):
+        np.testing.assert_allclose(image.pixels, 0.18, atol=1e-3)
+        assert image.colorspace.name == "lin_ap1_scene"
+    with pytest.raises(ColorError, match=r"no colour space 'ACEScc1'.*did you mean"):
+        Image.from_imagebuf(buf, "ACEScc1")
+
+
+def test_what_comes_of_image_buf_algo_is_decoded_too(tmp_path: Path) -> None:
+    buf = saved(tmp_path / "a.png", RGB8, "uint8")
+    cut = oiio.ImageBufAlgo.cut(buf, oiio.ROI(1, 4, 2, 5))
+    np.testing.assert_allclose(Image.from_imagebuf(cut).pixels, light(RGB8[2:5, 1:4]), atol=2e-6)
+    as_float = oiio.ImageBufAlgo.copy(buf, oiio.FLOAT)
+    np.testing.assert_allclose(Image.from_imagebuf(as_float).pixels, light(RGB8), atol=2e-6)
+    linear = oiio.ImageBufAlgo.colorconvert(as_float, "sRGB", "lin_rec709")
+    np.testing.assert_allclose(Image.from_imagebuf(linear).pixels, light(RGB8), atol=1e-4)
+    crop = oiio.ImageBufAlgo.crop(buf, oiio.ROI(1, 4, 2, 5))
+    image = Image.from_imagebuf(crop)
+    assert (image.data_window, image.display_window) == (Window(1, 2, 3, 3), Window(0, 0, 5, 6))
+
+
+def of_p3(path: Path) -> str:
+    """Write a PNG whose profile says Display P3, and return its name."""
+    spec = oiio.ImageSpec(5, 6, 3, "uint8")
+    p3 = with_profile(Encoding("P3", color.space("lin_p3d65"), (SRGB, SRGB, SRGB)))
+    assert p3 is not None
+    set_profile(spec, p3.profile)
+    output = oiio.ImageOutput.create(str(path))
+    assert output.open(str(path), spec)
+    output.write_image(RGB8)
+    output.close()
+    return str(path)
+
+
+def test_light_that_was_decoded_is_not_decoded_again(tmp_path: Path) -> None:
+    saved(tmp_path / "a.png", RGB8, "uint8")
+    for path, space in ((of_p3(tmp_path / "p3.png"), "lin_p3d65_scene"), (str(tmp_path / "a.png"), "lin_rec709")):
+        for image in (Image.from_imagebuf(oiio.ImageBuf(path)), read_image(path)):
+            assert image.colorspace.name == space
+            np.testing.assert_allclose(image.pixels, light(RGB8), atol=1e-4)
+            again = Image.from_imagebuf(image.to_imagebuf())
+            assert again.colorspace == image.colorspace
+            np.testing.assert_array_equal(again.pixels, image.pixels)
+            matte = image.with_pixels(image.pixels[..., :1].copy(), "matte").to_imagebuf()
+            np.testing.assert_array_equal(Image.from_imagebuf(matte).pixels, image.pixels[..., :1])
+
+
+def test_what_was_converted_is_what_the_conversion_says_and_not_the_file(tmp_path: Path) -> None:
+    p3 = oiio.ImageBufAlgo.copy(oiio.ImageBuf(of_p3(tmp_path / "p3.png")), oiio.FLOAT)
+    assert Image.from_imagebuf(p3).colorspace.name == "lin_p3d65_scene"
+    for name in ("lin_rec709", "ACEScct"):
+        converted = oiio.ImageBufAlgo.colorconvert(p3, "sRGB", name)
+        found = Image.from_imagebuf(converted).to_array(encoding="linear", colorspace="lin_rec709")
+        np.testing.assert_allclose(found, light(RGB8), atol=2e-3)
+
+
+def test_a_matte_and_data_in_a_photograph_are_not_decoded(tmp_path: Path) -> None:
+    grey = saved(tmp_path / "grey.png", RGB8[..., :1].copy(), "uint8")
+    np.testing.assert_allclose(Image.from_imagebuf(grey, type="matte").pixels, RGB8[..., :1] / 255, atol=1e-6)
+    whole = saved(tmp_path / "a.png", RGB8, "uint8")
+    np.testing.assert_allclose(Image.from_imagebuf(whole, type="data").pixels, RGB8 / 255, atol=1e-6)
+
+
+def test_a_film_scan_in_a_buffer_is_what_is_read_from_its_file(tmp_path: Path) -> None:
+    for transfer in ("", "Printing density", "Linear", "ITU-R 709-4"):
+        attributes = {"dpx__Transfer": transfer} if transfer else {}
+        path = tmp_path / "a.dpx"
+        buf = saved(path, RGB8 * np.uint16(257), "uint16", **attributes)
+        found, expected = Image.from_imagebuf(buf), read_image(path)
+        np.testing.assert_array_equal(found.pixels, expected.pixels, transfer)
+        oiio.ImageCache().invalidate(str(path))
+
+
+def test_a_buffer_that_holds_nothing_says_why(tmp_path: Path) -> None:
+    volume = oiio.ImageSpec(4, 3, 3, oiio.FLOAT)
+    volume.depth = volume.full_depth = 2
+    failed = oiio.ImageBufAlgo.resize(oiio.ImageBuf(), roi=oiio.ROI())
+    for buf, found in (
+        (oiio.ImageBuf(), "found an empty one"),
+        (failed, "found .*[Uu]ninitialized"),
+        (oiio.ImageBuf(str(tmp_path / "missing.exr")), "found Could not open file"),
+        (oiio.ImageBuf(volume), "found a volume of 2 planes"),
+        (np.zeros((2, 3, 3)), "found ndarray"),
+    ):
+        with pytest.raises(ArgumentError, match=f"an ImageBuf with flat pixels is expected, {found}") as error:
+            Image.from_imagebuf(buf)
+        assert error.value.parameter == "buf"
+        assert "\n" not in str(error.value)

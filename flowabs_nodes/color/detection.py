@@ -13,7 +13,7 @@ from flowabs_nodes.color.config import Ocio, opened
 from flowabs_nodes.color.encoding import Encoding, Transfer
 from flowabs_nodes.color.icc import read_profile
 from flowabs_nodes.color.lookup import space
-from flowabs_nodes.color.named import find
+from flowabs_nodes.color.named import SRGB_NAMES, find
 from flowabs_nodes.color.spaces import KNOWN, ColorSpace
 from flowabs_nodes.color.transfers import SRGB, Power
 from flowabs_nodes.errors import ColorError
@@ -106,6 +106,22 @@ def detect(
         found = Detected(space("lin_rec709"), "no tag in the file: sRGB", _SRGB)
     found = found or Detected(fallback, f"no tag in the file: {fallback}")
     return found._replace(how="; ".join([found.how, *passed_over]))
+
+
+def without_stale(spec: oiio.ImageSpec) -> oiio.ImageSpec:
+    """Return the header of a buffer that is no file any more, without what its ``oiio:ColorSpace`` has overtaken.
+
+    OpenImageIO's colorconvert sets this tag, and leaves the profile and the other tags of the file that the pixels came
+    from. An sRGB tag says nothing: OpenImageIO gives it to nearly every PNG that it reads, beside a profile too.
+    """
+    name = _text(spec, "oiio:ColorSpace")
+    invented = _OIIO_INVENTS_TAGS and name == "lin_rec709"
+    if not name or name.lower() in SRGB_NAMES | {"unknown"} or invented:
+        return spec
+    kept = oiio.ImageSpec(spec)
+    forget(kept)
+    kept.attribute("oiio:ColorSpace", name)
+    return kept
 
 
 def forget(spec: oiio.ImageSpec) -> None:

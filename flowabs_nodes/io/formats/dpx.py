@@ -7,42 +7,17 @@ import os
 import struct
 from typing import TYPE_CHECKING
 
+from flowabs_nodes.color.dpx import declared
 from flowabs_nodes.errors import ReadError
 from flowabs_nodes.io.formats.declare import Declared, Format
 
 if TYPE_CHECKING:
     import OpenImageIO as oiio
 
-#: What a transfer characteristic means, in OpenImageIO's words: a colour space by name.
-_TRANSFERS = {
-    "Printing density": "cineon",
-    "Logarithmic": "cineon",
-    "Linear": "lin_rec709",
-    "Unspecified video": "srgb_rec709_scene",
-    "SMPTE 274M": "srgb_rec709_scene",
-    "ITU-R 709-4": "srgb_rec709_scene",
-    "ITU-R 601-5 system B or G": "srgb_rec709_scene",
-    "ITU-R 601-5 system M": "srgb_rec709_scene",
-    "NTSC composite video": "srgb_rec709_scene",
-    "PAL composite video": "srgb_rec709_scene",
-    "Z depth linear": "data",
-    "Z depth homogeneous": "data",
-}
-
 
 def _declared(spec: oiio.ImageSpec) -> Declared:
-    """Return what the transfer characteristic says; without one, what a comp package takes such a file for.
-
-    OpenImageIO's own tag is not asked: it passes printing density over, and differs from version to version.
-    """
-    transfer = spec.get_string_attribute("dpx:Transfer")
-    bits = spec.get_int_attribute("oiio:BitsPerSample", 8 * spec.format.size())
-    if transfer == "ADX" and bits in (10, 16):
-        return Declared(f"ADX{bits}", f"transfer characteristic {transfer}")
-    if transfer in _TRANSFERS:
-        return Declared(_TRANSFERS[transfer], f"transfer characteristic {transfer}")
-    usual = {8: "srgb_rec709_scene", 32: "lin_rec709", 64: "lin_rec709"}.get(bits, "cineon")
-    return Declared(usual, f"no transfer characteristic in the file, {bits} bits are taken as")
+    """Return what the transfer characteristic says."""
+    return Declared(*declared(spec))
 
 
 #: Components of a pixel, by the header's descriptor: luma and single channels, RGB, and Y'CbCr 4:2:2 to 4:4:4:4.
