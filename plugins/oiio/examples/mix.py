@@ -14,8 +14,8 @@ def cartoon(plate: oiio.ImageBuf) -> oiio.ImageBuf:
     """Return flat colours under lines drawn twice: thin ones, and bold ones over them at half strength."""
     flow = fabuf.etf(plate, radius=5, color=True)
     flat = fabuf.quantize(fabuf.fbl(plate, flow, r_e=15), levels=10, softness=0.5)
-    thin = fabuf.fdog(plate, flow, sigma_c=1, rho=0.99, softness=20)
-    bold = fabuf.fdog(plate, flow, sigma_c=2, rho=0.99, softness=20)
+    thin = fabuf.fdog(plate, flow, sigma_c=0.8, rho=0.998, softness=2)
+    bold = fabuf.fdog(plate, flow, sigma_c=1.6, rho=0.997, softness=2)
     bold = ImageBufAlgo.add(ImageBufAlgo.mul(bold, 0.5), 0.5)
     lines = ImageBufAlgo.mul(thin, bold)
     return ImageBufAlgo.mul(flat, ImageBufAlgo.channels(lines, ("Y", "Y", "Y"), ("R", "G", "B")))
