@@ -183,6 +183,8 @@ def _header(
             spec.attribute(name, stamp)
     if format.compression:
         spec.attribute("compression", format.compression)
+    if spec.getattribute("DateTime") is None:
+        spec.attribute("DateTime", "")  # else a TIFF gets the time of day, and no two runs write the same bytes
     color_tags.tag(spec, encoding)
     shown_by = picture.shown_by if picture.image.type == "color" else None
     if shown_by is not None and encoding is None:
