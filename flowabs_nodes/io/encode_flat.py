@@ -199,7 +199,13 @@ def _header(
 def _keeps_profile(picture: Picture, data_type: str, encoding: str | Encoding | None) -> bool:
     """Return whether the plate's ICC profile, which describes the plate's codes, is true of those that are written."""
     profile = picture.image.spec.getattribute("ICCProfile")
-    if profile is None or picture.image.type != "color" or picture.colorspace != "plate" or picture.shown_by:
+    if (
+        profile is None
+        or isinstance(profile, str | int | float)
+        or picture.image.type != "color"
+        or picture.colorspace != "plate"
+        or picture.shown_by
+    ):
         return False
     plate = _plate_colors(picture, data_type)
     if plate is None or plate.encoding != encoding or plate.space != picture.image.colorspace:

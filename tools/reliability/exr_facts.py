@@ -1,4 +1,4 @@
-"""Read what an EXR holds without the code that is on trial: its headers byte by byte, its pixels by the OpenEXR module."""
+"""Read what an EXR holds without the code that is on trial: headers byte by byte, pixels by the OpenEXR module."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import contextlib
 import io
 import os
 import struct
+import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-import numpy as np
 import numpy.typing as npt
 import OpenEXR
 
@@ -20,6 +20,7 @@ COMPRESSIONS = (
     *("htj2k256", "htj2k32", "zstd"),
 )
 _MULTIPART = 1 << 12
+_PLACES = ("name", "type", "view", "chunkCount")
 _DEEP = (b"deepscanline", b"deeptile")
 
 
@@ -67,8 +68,13 @@ def read_parts(path: str | os.PathLike[str]) -> tuple[Part, ...]:
     headers = read_headers(path)
     if all(Part(header, {}).deep for header in headers):
         return tuple(Part(header, {}) for header in headers)
-    with contextlib.redirect_stdout(io.StringIO()):  # it prints its warnings there
-        read = OpenEXR.File(os.fspath(path), separate_channels=True).parts
+    with contextlib.redirect_stdout(io.StringIO()), tempfile.TemporaryDirectory() as folder:  # it prints warnings
+        try:
+            read = OpenEXR.File(os.fspath(path), separate_channels=True).parts
+        except (ArithmeticError, RuntimeError, ValueError):  # of attributes that have nothing to do with pixels
+            plain = os.path.join(folder, "plain.exr")
+            _without_meaning(path, plain)
+            read = OpenEXR.File(plain, separate_channels=True).parts
     if len(read) != len(headers):
         raise ValueError(f"OpenEXR reads {len(read)} of {len(headers)} parts")
     parts = []
@@ -76,6 +82,20 @@ def read_parts(path: str | os.PathLike[str]) -> tuple[Part, ...]:
         planes = {} if Part(header, {}).deep else {name: each.pixels for name, each in part.channels.items()}
         parts.append(Part(header, planes))
     return tuple(parts)
+
+
+def _without_meaning(path: str | os.PathLike[str], copy: str) -> None:
+    """Copy a file with types that nobody knows in place of fractions, texts and the like, which OpenEXR may refuse."""
+    with open(path, "rb") as file:
+        data = bytearray(file.read())
+    for header in read_headers(path):
+        for name, attribute in header.items():
+            if attribute.type in ("rational", "keycode", "timecode", "string", "stringvector") and name not in _PLACES:
+                start = name.encode("latin-1") + b"\0"
+                place = data.index(start + attribute.type.encode() + b"\0") + len(start)
+                data[place : place + 1] = b"x"
+    with open(copy, "wb") as file:
+        file.write(data)
 
 
 def read_headers(path: str | os.PathLike[str]) -> tuple[Mapping[str, Attribute], ...]:

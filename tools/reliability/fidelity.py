@@ -1,4 +1,4 @@
-"""Send every EXR of a folder through two graphs, and see what is kept: ``python -m tools.reliability.fidelity FOLDER…``.
+"""Send EXRs through two graphs, and see what is kept: ``python -m tools.reliability.fidelity FOLDER…``.
 
 One graph reads and writes, the other flattens lightness in between; both keep all layers. A table says of each file
 which promises of docs/exr.md are kept; the exit code is 1 if one is broken, or a file is refused that OpenImageIO and

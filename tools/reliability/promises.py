@@ -1,4 +1,4 @@
-"""What is promised of an EXR that goes through a graph (docs/exr.md), each promise as a function that looks at both ends.
+"""What is promised of an EXR that goes through a graph (docs/exr.md), each promise as a function on both ends.
 
 A function returns None where the plate has nothing of the kind, "" where all is kept, or what is broken.
 """
@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 
 from flowabs_nodes.image import Origin
-from tools.reliability.exr_facts import Part, same_bits
+from tools.reliability.exr_facts import Attribute, Part, same_bits
 
 #: Attributes that say how a file stores its pixels. Those of windows and compression have promises of their own.
 _STORAGE = frozenset(
@@ -202,11 +202,24 @@ def _attributes(passage: Passage, names: Iterable[str]) -> str | None:
     before, after = passage.plate.header, passage.made.header
     there = [name for name in names if name in before or name in after]
     for name in there:
-        if before.get(name) != after.get(name):
+        if name not in after and any("left out" in warning and name in warning for warning in passage.warnings):
+            continue  # a value that no EXR may have, as the log says
+        if _readable(before.get(name)) != after.get(name):
             return f"{name} {before.get(name)} became {after.get(name)}"
     plain = {"pixelAspectRatio": struct.pack("<f", 1), "screenWindowWidth": struct.pack("<f", 1)}
     plain["screenWindowCenter"] = struct.pack("<2f", 0, 0)
     return "" if any(before[name].value != plain.get(name) for name in there) else None
+
+
+def _readable(attribute: Attribute | None) -> Attribute | None:
+    """Return an attribute as it must be written: a text that is no UTF-8 becomes so, taken for Latin-1."""
+    if attribute is None or attribute.type != "string":
+        return attribute
+    try:
+        attribute.value.decode("utf-8")
+    except UnicodeDecodeError:
+        return attribute._replace(value=attribute.value.decode("latin-1").encode("utf-8"))
+    return attribute
 
 
 def _same_header(part: Part, written: Part, passage: Passage) -> str:
