@@ -198,4 +198,16 @@ def test_lossy_compression_is_for_those_who_ask(tmp_path: Path) -> None:
     assert not warned
 
 
+def test_dwa_changes_data_layers_too(tmp_path: Path) -> None:
+    """It takes N.Y for luma: a warning says that data are changed, and "auto" never writes it."""
+    noise = np.random.default_rng(1).random((64, 64)).astype(np.float16)
+    data = read_data(exr(tmp_path / "n.exr", {f"N.{axis}": noise for axis in "XYZ"}))
+    image = read_image(exr(tmp_path / "plate.exr", planes(colors(64, 64))))
+    out, warned = written(image, tmp_path / "dwaa.exr", compression="dwaa", layers={"N": data}, data_type="half")
+    assert not same_bits(native(out)["N.Y"], noise)
+    assert "data layers too" in warned[0]
+    out, _ = written(image, tmp_path / "auto.exr", layers={"N": data})
+    assert same_bits(native(out)["N.Y"], noise)
+
+
 # ---------------------------------------------------------------------- alpha and colour
