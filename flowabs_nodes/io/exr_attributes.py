@@ -29,8 +29,10 @@ def stored_header(path: str, part: int) -> tuple[dict[str, Any], list[str]]:
     left_out: list[str] = []
     for name, kind, data in _attributes(path, part):
         try:
-            value = _value(kind.decode("ascii"), data)
-            header[name.decode("utf-8")] = value
+            text, type = name.decode("utf-8"), kind.decode("ascii")
+            if type != _FIXED.get(text, type):
+                raise ValueError(f"{text} is of type {_FIXED[text]}")
+            header[text] = _value(type, data)
         except (UnicodeDecodeError, struct.error, ValueError, TypeError):
             left_out.append(printable(name.decode("utf-8", "replace")))
     if not {"dataWindow", "displayWindow"} <= header.keys():
@@ -126,6 +128,15 @@ def _tiles(data: bytes) -> Any:
     return tiles
 
 
+#: Attributes that no reader takes, or no writer writes, with another type than the standard's.
+_FIXED = {
+    **dict.fromkeys(("adoptedNeutral", "cameraColorBalance", "sensorCenterOffset", "sensorOverallDimensions"), "v2f"),
+    **dict.fromkeys(("originalDataWindow", "sensorAcquisitionRectangle"), "box2i"),
+    **dict.fromkeys(("name", "view", "colorInteropID"), "string"),
+    "multiView": "stringvector",
+    "chromaticities": "chromaticities",
+    "envmap": "envmap",
+}
 #: Types of which the OpenEXR module writes only its own values -> how to make one. All others are written as they are
 #: stored: fractions, time and key codes, and types that nobody knows.
 _TYPES: dict[str, Callable[[bytes], Any]] = {

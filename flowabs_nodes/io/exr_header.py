@@ -37,6 +37,7 @@ _ENCODING = (
     "preview",
     "tiles",
     "type",
+    "version",
     "zipCompressionLevel",
 )
 #: Attributes of a photograph that say how large to print it.

@@ -38,6 +38,8 @@ def test_each_part_has_its_own(tmp_path: Path) -> None:
         ("envmap", OpenEXR.ENVMAP_CUBE, b"envmap\0\1\0\0\0\1", b"envmap\0\1\0\0\0\2"),
         ("order", OpenEXR.DECREASING_Y, b"lineOrder\0\1\0\0\0\1", b"lineOrder\0\1\0\0\0\3"),
         ("method", OpenEXR.RLE_COMPRESSION, b"method\0compression\0\1\0\0\0\1", b"method\0compression\0\1\0\0\0\x63"),
+        ("chromaticities", (0.1,) * 8, b"chromaticities\0chromaticities\0", b"chromaticities\0chromaXicities\0"),
+        ("adoptedNeutral", np.zeros(2, np.float32), b"adoptedNeutral\0v2f", b"adoptedNeutral\0v2i"),
         ("take", 7, b"take\0int", b"t\xffke\0int"),
     ],
 )

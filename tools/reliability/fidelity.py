@@ -16,8 +16,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import OpenImageIO as oiio
+
 import flowabs_nodes as fa
 from flowabs_nodes.errors import FlowabsError
+from flowabs_nodes.io.oiio_error import reason
 from flowabs_nodes.io.read import read_data, read_image
 from tools.reliability.exr_facts import read_parts
 from tools.reliability.promises import PROMISES, Passage
@@ -111,7 +114,9 @@ def rows(plate: Path) -> Iterator[Row]:
 
 def _unjust(plate: Path, error: FlowabsError) -> str:
     """Return who reads a file whole that was refused; "" where the refusal is right."""
-    if error.code in _NOT_FOR_US or not all(reads(str(plate)) for reads in OTHERS.values()):
+    whole = all(reads(str(plate)) for reads in OTHERS.values())
+    reason(oiio)  # else what OpenImageIO said is printed when the process ends
+    if error.code in _NOT_FOR_US or not whole:
         return ""
     return f"refused, though {' and '.join(OTHERS)} read it whole: {error}"
 

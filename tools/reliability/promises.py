@@ -98,6 +98,8 @@ def time_code(passage: Passage) -> str | None:
 def attributes(passage: Passage) -> str | None:
     """All other attributes stay, name, type and every byte, also of types that nobody knows; none is added."""
     known = {*_STORAGE, *_COLOR, *_TIME, *_SHAPE, "name"}
+    if passage.plate.compression != "none":
+        known.add("acesImageContainerFlag")  # which is not true there
     names = {name for part in (passage.plate, passage.made) for name in part.header if not name.startswith("flowabs:")}
     return _attributes(passage, sorted(names - known))
 
