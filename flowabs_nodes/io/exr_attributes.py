@@ -60,6 +60,8 @@ def _attributes(path: str, part: int) -> list[tuple[bytes, bytes, bytes]]:
 
 def _value(kind: str, data: bytes) -> Any:
     """Return the value that the OpenEXR module writes as these bytes. Raises ValueError and its like for none."""
+    if len(data) != _SIZES.get(kind, len(data)):
+        raise ValueError(f"{kind} takes {_SIZES[kind]} bytes")
     make = _TYPES.get(kind)
     return make(data) if make is not None else OpenEXR.OpaqueAttribute(data, kind)
 
@@ -80,7 +82,7 @@ def _box(dtype: str) -> Callable[[bytes], Any]:
     return lambda data: tuple(corners(data))
 
 
-def _text(data: bytes) -> str:
+def readable(data: bytes) -> str:
     """Return a text; one that is no UTF-8 is taken for Latin-1, as programs for Windows wrote it."""
     try:
         return data.decode("utf-8")
@@ -95,6 +97,8 @@ def _texts(data: bytes) -> Any:
         (length,) = struct.unpack_from("<I", data, at)
         texts.append(data[at + 4 : at + 4 + length])
         at += 4 + length
+    if at != len(data):
+        raise ValueError("its texts are longer than it is")
     try:
         return [text.decode("utf-8") for text in texts]
     except UnicodeDecodeError:
@@ -128,11 +132,15 @@ def _tiles(data: bytes) -> Any:
     return tiles
 
 
+#: How many bytes a value of a type has that is written as it is stored.
+_SIZES = {"rational": 8, "timecode": 8, "keycode": 28, "lineOrder": 1}
 #: Attributes that no reader takes, or no writer writes, with another type than the standard's.
 _FIXED = {
     **dict.fromkeys(("adoptedNeutral", "cameraColorBalance", "sensorCenterOffset", "sensorOverallDimensions"), "v2f"),
     **dict.fromkeys(("originalDataWindow", "sensorAcquisitionRectangle"), "box2i"),
     **dict.fromkeys(("name", "view", "colorInteropID"), "string"),
+    **dict.fromkeys(("pixelAspectRatio", "screenWindowWidth"), "float"),
+    "screenWindowCenter": "v2f",
     "multiView": "stringvector",
     "chromaticities": "chromaticities",
     "envmap": "envmap",
@@ -143,7 +151,7 @@ _TYPES: dict[str, Callable[[bytes], Any]] = {
     "int": _one("<i"),
     "float": _one("<f"),
     "double": _array("<f8", 1),
-    "string": _text,
+    "string": readable,
     "stringvector": _texts,
     "chromaticities": lambda data: struct.unpack("<8f", data),
     "box2i": _box("<i4"),

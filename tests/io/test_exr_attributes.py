@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -40,6 +41,8 @@ def test_each_part_has_its_own(tmp_path: Path) -> None:
         ("method", OpenEXR.RLE_COMPRESSION, b"method\0compression\0\1\0\0\0\1", b"method\0compression\0\1\0\0\0\x63"),
         ("chromaticities", (0.1,) * 8, b"chromaticities\0chromaticities\0", b"chromaticities\0chromaXicities\0"),
         ("adoptedNeutral", np.zeros(2, np.float32), b"adoptedNeutral\0v2f", b"adoptedNeutral\0v2i"),
+        ("rate", Fraction(24), b"rational\0\x08\0\0\0\x18\0\0\0\1\0\0\0", b"rational\0\4\0\0\0\x18\0\0\0"),
+        ("texts", ["a", "b"], b"stringvector\0\x0a\0\0\0\1", b"stringvector\0\x0a\0\0\0\x7f"),
         ("take", 7, b"take\0int", b"t\xffke\0int"),
     ],
 )

@@ -83,6 +83,13 @@ def test_a_name_that_is_not_there(tmp_path: Path, plate: Path) -> None:
     assert not list(tmp_path.glob("*out*"))
 
 
+def test_a_name_that_is_no_utf8_is_taken_for_latin_1(tmp_path: Path) -> None:
+    plate = exr(tmp_path / "plate.exr", planes(colors()) | {"lumi?re.Z": aovs()["Z"]})
+    plate.write_bytes(plate.read_bytes().replace(b"lumi?re.Z", b"lumi\xe8re.Z"))
+    found, _ = kept(read_image(plate), tmp_path / "out.exr", "*")
+    assert set(found) == {*"RGB", "lumière.Z"}
+
+
 def test_a_new_layer_wins(tmp_path: Path, plate: Path) -> None:
     image = read_image(plate)
     mine = image.with_pixels(np.full((24, 32, 1), 0.5, np.float32), "matte")
