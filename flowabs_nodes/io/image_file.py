@@ -165,6 +165,6 @@ class _OiioFile:
             raise ReadError(
                 f"damaged or cut short: {problem or 'its pixels cannot be decoded'}", code="damaged", file=self.path
             )
-        check_other_parts(self._source, self.path, self.specs, part, self._settings)
+        check_other_parts(self.path, self.specs, part, self._settings)
         spec = self.specs[part]
         return np.asarray(pixels).reshape(spec.height, spec.width, run.end - run.begin)

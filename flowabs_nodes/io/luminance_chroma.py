@@ -54,7 +54,8 @@ class LuminanceChromaFile:
         spec.full_x, spec.full_y = int(full_low[0]), int(full_low[1])
         spec.full_width, spec.full_height = (int(b - a) + 1 for a, b in zip(full_low, full_high, strict=True))
         attributes.to_spec(header, spec)
-        spec.attribute("compression", header["compression"].name.split("_")[0].lower())
+        compression = header["compression"].name.removesuffix("_COMPRESSION").lower()
+        spec.attribute("compression", "none" if compression == "no" else compression)
         check_readable(path, spec, 4, settings)
         if spec.width * spec.height * 2 > _SHRINKS_AT_MOST * os.path.getsize(path):
             raise self._error(f"{spec.width}x{spec.height} pixels cannot be in a file this small")
@@ -90,7 +91,8 @@ class LuminanceChromaFile:
             header = dict(file.parts[0].header)
             channels = header["channels"] if header_only else file.parts[0].channels.values()
             return header, {channel.name: channel for channel in channels}
-        except (RuntimeError, ValueError, KeyError) as error:  # ValueError: a header that is no UTF-8, too
+        except (RuntimeError, ValueError, KeyError, ArithmeticError) as error:
+            # ValueError: a header that is no UTF-8, too; ArithmeticError: a rate of 24/0
             raise self._error(f"damaged: {error}") from None
 
     def _full(self, channel: Any, name: str) -> Array:
