@@ -6,6 +6,7 @@ over, and a warning says why; where no worker can do anything, the run is refuse
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import os
 import pickle
@@ -15,6 +16,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, wait
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -167,26 +169,19 @@ def _first_look(cluster: DaskCluster) -> list[Note]:
 def _client(options: RunOptions, frames: int) -> Iterator[Any]:
     """Give Dask's client, closed at the end, and the workers on this machine with it."""
     try:
-        from distributed import Client, LocalCluster
+        from distributed import Client
     except ImportError as error:
         raise CommandError(
-            f"--scheduler needs Dask, which is not installed ({error})",
+            "--scheduler needs Dask, which is not installed here",
             code="no-dask",
             hint='pip install "flowabs-nodes[dask]"',
         ) from error
     how: dict[str, Any] = {"set_as_default": False, "timeout": CONNECT}
     cluster = None
     if options.scheduler == "local":
-        jobs = min(options.jobs or options.threads or bands.thread_count(), max(1, frames))
-        # Workers are threads of this process, each with a process for its frame: no port, no second start of a script.
-        cluster = LocalCluster(
-            n_workers=jobs,
-            threads_per_worker=1,
-            processes=False,
-            memory_limit=0,
-            dashboard_address=None,
-            silence_logs=False,
-        )
+        cluster = _local_cluster(min(options.jobs or options.threads or bands.thread_count(), max(1, frames)))
+    else:
+        _stoppable(partial(_check_scheduler, str(options.scheduler)))
     try:
         try:
             client = _stoppable(lambda: Client(cluster or options.scheduler, **how), otherwise=_close)
@@ -200,6 +195,47 @@ def _client(options: RunOptions, frames: int) -> Iterator[Any]:
         if cluster is not None:
             with suppress(OSError, TimeoutError):
                 cluster.close(timeout=5)
+
+
+def _local_cluster(jobs: int) -> Any:
+    """Return Dask's LocalCluster of ``jobs`` workers with one thread each, made so that nobody else can reach it.
+
+    Scheduler and workers are threads of this process and talk within it; a frame's process is all that is started.
+    (LocalCluster itself would have their web servers, which Dask always starts, listen on all networks.)
+    """
+    import dask
+    from distributed import Scheduler, SpecCluster, Worker
+
+    no_web = {"dashboard": False, "dashboard_address": "127.0.0.1:0", "protocol": "inproc://"}
+    worker = {"cls": Worker, "options": {"nthreads": 1, "memory_limit": 0, **no_web}}
+    with dask.config.set({f"distributed.{each}.http.routes": [] for each in ("scheduler", "worker")}):
+        return SpecCluster(
+            scheduler={"cls": Scheduler, "options": no_web},
+            workers=dict.fromkeys(range(jobs), worker),
+            silence_logs=False,
+        )
+
+
+def _check_scheduler(address: str) -> None:
+    """Raise CommandError where nobody answers at an address, or something else than a scheduler of Dask."""
+    from distributed.comm import connect
+    from distributed.core import send_recv
+
+    async def ask() -> Any:
+        comm = await connect(address, timeout=CONNECT)
+        try:
+            return await asyncio.wait_for(send_recv(comm, op="identity"), CONNECT)
+        finally:
+            comm.abort()
+
+    try:
+        found = asyncio.run(ask())["type"]
+    except (OSError, TimeoutError) as error:
+        raise _nobody(address) from error
+    except Exception as error:  # whatever is made of another protocol, or of another version of Dask's
+        raise _no_scheduler(address, type(error).__name__) from error
+    if found != "Scheduler":
+        raise _no_scheduler(address, f"it is a {found}")
 
 
 def _stoppable(work: Callable[[], Made], otherwise: Callable[[Made], object] = lambda made: None) -> Made:
@@ -277,6 +313,11 @@ def _nobody(scheduler: str) -> CommandError:
         code="no-scheduler",
         hint="start one with `dask scheduler`, which says its address",
     )
+
+
+def _no_scheduler(address: str, why: str) -> CommandError:
+    text = f"--scheduler {address}: what answers there is no scheduler of Dask that can be talked to ({why})"
+    return CommandError(text, code="no-scheduler", hint="`dask scheduler` says its address")
 
 
 def _no_worker(cluster: DaskCluster, scheduler: str) -> CommandError:
