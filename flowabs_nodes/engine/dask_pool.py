@@ -41,6 +41,7 @@ class _Sent:
     """A task that Dask has, and what is known of it: the frames that have not ended, the one at work first."""
 
     left: list[int]
+    workers: frozenset[str]
     future: Any = None
     begun: int = 0  # times
     address: str = ""
@@ -83,6 +84,7 @@ class DaskPool:
             while self._waiting or self._sent or self._later:
                 stopping.check()
                 yield from self._check_connection()
+                yield from self._take_from_the_gone()
                 self._submit()
                 yield from self._handle_messages()
         finally:
@@ -134,7 +136,7 @@ class DaskPool:
             retries=self._options.retries,
             listens=self._tell.nodes is not None,
         )
-        sent = self._sent[name] = _Sent(list(frames))
+        sent = self._sent[name] = _Sent(list(frames), frozenset(workers))
         sent.future = self._cluster.client.submit(
             render_task, task, key=name, pure=False, workers=workers, allow_other_workers=False
         )
@@ -218,9 +220,13 @@ class DaskPool:
         elif sent.left and self._connected and self._cluster.client.status == "running":
             yield from self._again(name, sent, "its worker gave it up")
         if name in self._sent:
-            self._forget(name)
-            if sent.left:
-                self._waiting.appendleft(tuple(sent.left))
+            self._ask_again(name, sent)
+
+    def _ask_again(self, name: str, sent: _Sent) -> None:
+        """Take a task back and have its frames that have not ended wait for another."""
+        self._forget(name)
+        if sent.left:
+            self._waiting.appendleft(tuple(sent.left))
 
     # ------------------------------------------------------------------ who is there
 
@@ -250,6 +256,16 @@ class DaskPool:
             self._tell.note(Note(f"no worker is left: waiting up to {ALONE:g} s for one", warning=True))
         elif time.monotonic() - self._alone_since > ALONE:
             yield from self._give_up(f"no worker of Dask for {ALONE:g} s", "no-worker")
+
+    def _take_from_the_gone(self) -> Iterator[FrameReport]:
+        """Take back the tasks none of whose workers is there any more, since Dask waits for just these."""
+        usable = self._cluster.usable.keys()
+        for name, sent in list(self._sent.items()):
+            if usable and not sent.workers & usable:
+                if sent.begun:
+                    yield from self._again(name, sent, f"its worker {sent.address} was lost")
+                if name in self._sent:
+                    self._ask_again(name, sent)
 
     def _give_up(self, why: str, code: str) -> Iterator[FrameReport]:
         """Yield the report of failure of each frame that has not ended."""
