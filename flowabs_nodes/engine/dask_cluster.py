@@ -224,12 +224,15 @@ def _check_scheduler(address: str) -> None:
     async def ask() -> Any:
         comm = await connect(address, timeout=CONNECT)
         try:
-            return await asyncio.wait_for(send_recv(comm, op="identity"), CONNECT)
+            return await send_recv(comm, op="identity")
         finally:
             comm.abort()
 
+    async def in_time() -> Any:
+        return await asyncio.wait_for(ask(), CONNECT)  # Dask itself waits for ever for one that says nothing
+
     try:
-        found = asyncio.run(ask())["type"]
+        found = asyncio.run(in_time())["type"]
     except (OSError, TimeoutError) as error:
         raise _nobody(address) from error
     except Exception as error:  # whatever is made of another protocol, or of another version of Dask's
