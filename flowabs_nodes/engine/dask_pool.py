@@ -26,10 +26,11 @@ from flowabs_nodes.engine.run_events import RunEvents
 from flowabs_nodes.engine.worker_pool import too_large
 from flowabs_nodes.errors import InternalError
 from flowabs_nodes.io.claim_watch import SILENCE
+from flowabs_nodes.simd import bands
 
 _LOOK = 0.1  # seconds between two looks at whether the run is to stop
 _PATIENCE = 6.0  # seconds that the workers have to give up their frames when the run stops
-_PEOPLE = 2.0  # seconds between two looks at which workers there are
+_NEWS = 2.0  # seconds between two looks at which workers there are
 _POLL = 1.0  # seconds until a frame is asked for again that a worker has claimed which is lost
 
 #: Seconds that a run waits for a worker where there is none any more: those of a cloud take minutes to come.
@@ -123,7 +124,7 @@ class DaskPool:
         name = f"flowabs-{self._run}-{self._count}"
         threads = self._options.threads
         if threads is None and self._cluster.local:
-            threads = sum(self._cluster.usable[address].threads for address in workers)
+            threads = bands.thread_count()
         task = Task(
             run=self._run,
             name=name,
@@ -232,7 +233,7 @@ class DaskPool:
 
     def _look_at_workers(self, over: threading.Event) -> None:
         """Find out every few seconds which workers there are: in a thread, for a scheduler may take its time."""
-        while not over.wait(_PEOPLE):
+        while not over.wait(_NEWS):
             with suppress(Exception):  # the scheduler does not answer: the client notices
                 self._news += self._cluster.look()
 

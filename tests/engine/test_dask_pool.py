@@ -11,6 +11,12 @@ import pytest
 from flowabs_nodes import graph as graphs
 from flowabs_nodes import stopping
 from flowabs_nodes.engine import dask_pool
+from flowabs_nodes.engine.dask_cluster import DaskCluster
+from flowabs_nodes.engine.dask_worker import Place
+from flowabs_nodes.engine.options import RunOptions
+from flowabs_nodes.engine.report import FrameReport
+from flowabs_nodes.engine.run_events import RunEvents
+from flowabs_nodes.errors import WriteError
 from flowabs_nodes.nodes import catalogue
 from tests.engine.dask_nodes import trouble
 from tests.engine.sequences import document, leftovers, pixels, plates, run, statuses
@@ -245,3 +251,27 @@ def test_where_no_worker_comes_any_more_the_frames_fail(shot, tmp_path, farm, mo
     events = Heard("node", worker.kill)
     report = run(shot, str(tmp_path / "out/o.####.exr"), trouble(seconds=5), scheduler=farm.address, on_event=events)
     assert {frame.error.code for frame in report.frames} == {"no-worker"}
+
+
+def test_a_frame_that_a_lost_worker_still_claims_is_asked_for_again_for_a_while(monkeypatch):
+    pool = dask_pool.DaskPool(None, RunOptions(), RunEvents(None, {}))
+    claimed = FrameReport(3, "failed", error=WriteError("by somebody", code="claimed"))
+    assert not pool._postponed(claimed), "another run's"
+    pool._lost[3] = 1
+    assert pool._postponed(claimed)
+    assert pool.drop_waiting() == (3,)
+    assert not pool._postponed(FrameReport(3, "done"))
+    monkeypatch.setattr(dask_pool, "SILENCE", -11.0)
+    assert not pool._postponed(claimed), "somebody lives who writes it"
+
+
+@pytest.mark.parametrize(
+    ("memory", "peak", "jobs", "at_once"),
+    [(None, 0, None, 2), (None, 10**9, None, 6), (None, 3 * 10**9, None, 3), (10**9, 10**9, None, 2), (None, 1, 4, 4)],
+)
+def test_as_many_at_once_as_fit_on_each_worker(memory, peak, jobs, at_once):
+    cluster = object.__new__(DaskCluster)
+    cluster.local, cluster._memory = False, memory
+    refused = Place("c", 8, 10**12, "has no flowabs-nodes")
+    cluster.places = {"a": Place("a", 4, 8 * 10**9), "b": Place("b", 2, 4 * 10**9), "c": refused}
+    assert cluster.room(peak, jobs) == at_once
