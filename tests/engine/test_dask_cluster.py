@@ -128,6 +128,7 @@ class TestWithDask:
         assert caught.value.code == "no-worker"
         assert farm.address in caught.value.hint
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(
         ("code", "why"),
         [

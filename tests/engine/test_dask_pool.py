@@ -96,6 +96,7 @@ def kinds(events):
     return [each for each in told if "(" not in each[2]]
 
 
+@pytest.mark.slow
 def test_frames_on_dask_are_the_same_and_so_is_what_is_told(shot, tmp_path, shared_farm):
     found = {}
     for name, options in {
@@ -197,6 +198,7 @@ def test_a_run_that_is_stopped_takes_its_frames_back(shot, tmp_path, shared_farm
     assert not [thread for thread in threading.enumerate() if thread.name == "flowabs-worker"]
 
 
+@pytest.mark.slow
 def test_a_worker_that_is_killed_costs_no_frame(shot, tmp_path, farm):
     workers = [farm.worker(), farm.worker()]
     events = Heard("node", workers[0].kill)
@@ -206,6 +208,7 @@ def test_a_worker_that_is_killed_costs_no_frame(shot, tmp_path, farm):
     workers[0].wait()
 
 
+@pytest.mark.slow
 def test_a_frame_that_ends_every_worker_fails_and_ends_no_more_than_it_may(shot, tmp_path, farm):
     farm.worker("--nanny")
     farm.worker("--nanny")
@@ -217,6 +220,7 @@ def test_a_frame_that_ends_every_worker_fails_and_ends_no_more_than_it_may(shot,
     assert not leftovers(tmp_path / "out")
 
 
+@pytest.mark.slow
 def test_a_scheduler_that_is_lost_fails_what_is_left_and_nothing_hangs(shot, tmp_path, farm):
     worker = farm.worker()
     events = Heard("frame", farm.scheduler.kill)
@@ -232,6 +236,7 @@ def test_a_scheduler_that_is_lost_fails_what_is_left_and_nothing_hangs(shot, tmp
     eventually(lambda: not leftovers(tmp_path / "out"))
 
 
+@pytest.mark.slow
 def test_where_no_worker_is_left_the_run_waits_and_goes_on_with_the_next(shot, tmp_path, farm):
     worker = farm.worker()
 
@@ -245,6 +250,7 @@ def test_where_no_worker_is_left_the_run_waits_and_goes_on_with_the_next(shot, t
     assert any("no worker is left" in text for text in events.texts())
 
 
+@pytest.mark.slow
 def test_where_no_worker_comes_any_more_the_frames_fail(shot, tmp_path, farm, monkeypatch):
     monkeypatch.setattr(dask_pool, "ALONE", 1.0)
     worker = farm.worker()
