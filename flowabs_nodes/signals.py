@@ -117,7 +117,7 @@ def _listen(bytes_of: socket.socket, flag: StopFlag) -> None:
     while True:
         patience = GRACE if heard else None
         if not select.select([bytes_of], [], [], patience)[0]:
-            _end_now(heard[0], f"still at work {GRACE:g} s after it was asked to stop: ended now")
+            end_now(heard[0], f"still at work {GRACE:g} s after it was asked to stop: ended now")
         received = b""
         with suppress(BlockingIOError):
             received = bytes_of.recv(64)
@@ -127,10 +127,10 @@ def _listen(bytes_of: socket.socket, flag: StopFlag) -> None:
         if heard:
             flag.set(heard[0])
         if len(heard) > 1:
-            _end_now(heard[0], "asked to stop twice: ended now")
+            end_now(heard[0], "asked to stop twice: ended now")
 
 
-def _end_now(number: int, why: str) -> None:
+def end_now(number: int, why: str) -> None:
     """End the process without waiting for anything, but for what must not be left behind."""
     for act in before_the_end:
         with suppress(Exception):

@@ -1,7 +1,8 @@
 """A process that renders frames for a run: the other side of :mod:`flowabs_nodes.engine.worker_pool`.
 
 Requests come on standard input: first the job, then some frames at a time. What becomes of them goes to what was
-standard output. When the input ends (the run stops, or its process has died) the frame at work is given up.
+standard output. When the input ends (the run stops, or its process has died) the frame at work is given up; if it does
+not let go (a read that hangs), the process is ended all the same.
 """
 
 from __future__ import annotations
@@ -11,9 +12,11 @@ import queue
 import signal
 import sys
 import threading
+import time
 from dataclasses import dataclass
 from typing import Any, BinaryIO
 
+from flowabs_nodes import signals
 from flowabs_nodes.engine.carry_over import CarryOver
 from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.memory import peak_since_reset, reset_peak
@@ -80,13 +83,15 @@ def main() -> None:
 
 
 def _read_requests(pipe: BinaryIO, requests: queue.SimpleQueue[Any], flag: StopFlag) -> None:
-    """Hand on each request; at the end of the input ask the work to stop."""
+    """Hand on each request; at the end of the input ask the work to stop, and end the process if it does not."""
     try:
         while True:
             requests.put(receive(pipe))
     except (EOFError, OSError):
         flag.set()
         requests.put(None)
+    time.sleep(signals.GRACE)
+    signals.end_now(signal.SIGTERM, f"a process whose run has ended is still at work {signals.GRACE:g} s later: ended")
 
 
 def _serve(requests: queue.SimpleQueue[Any], replies: BinaryIO) -> None:
