@@ -18,6 +18,9 @@ import OpenImageIO as oiio
 CHECKOUT = Path(__file__).parents[2]
 PICTURE = CHECKOUT / "docs/pictures/coffee.exr"
 
+#: Width and height in pixels.
+Size = tuple[int, int]
+
 
 @dataclass(frozen=True)
 class Shot:
@@ -51,12 +54,32 @@ class Shot:
 
 
 @contextmanager
-def shot(frames: int) -> Iterator[Shot]:
-    """Give a folder with so many frames; it is removed at the end."""
+def shot(frames: int, size: Size | None = None) -> Iterator[Shot]:
+    """Give a folder with so many frames, all one picture, of another size where one is given; removed at the end."""
     with tempfile.TemporaryDirectory() as name:
-        for frame in range(1, frames + 1):
-            shutil.copyfile(PICTURE, Path(name) / f"plate.{frame:04}.exr")
+        first = Path(name) / "plate.0001.exr"
+        if size is None:
+            shutil.copyfile(PICTURE, first)
+        else:
+            resized(PICTURE, first, size)
+        for frame in range(2, frames + 1):
+            os.link(first, first.with_name(f"plate.{frame:04}.exr"))
         yield Shot(Path(name), frames)
+
+
+def size_of(text: str) -> Size:
+    """Return the width and height that ``1920x1080`` means. Raises ValueError."""
+    width, height = map(int, text.split("x"))
+    return width, height
+
+
+def resized(picture: Path, to: Path, size: Size) -> None:
+    """Write a picture in another size, as half floats."""
+    width, height = size
+    made = oiio.ImageBufAlgo.resize(oiio.ImageBuf(str(picture)), roi=oiio.ROI(0, width, 0, height, 0, 1, 0, 3))
+    made.specmod().set_format(oiio.HALF)
+    if made.has_error or not made.write(str(to)):
+        raise RuntimeError(made.geterror())
 
 
 def decodes(path: Path) -> bool:
