@@ -32,6 +32,8 @@ _ASK_TO_STOP = tuple(
 before_the_end: list[Callable[[], object]] = []
 
 _listening = False
+#: The handlers that were there before ours, by signal.
+_before_ours: dict[int, Any] = {}
 
 
 class _SetsFlag:
@@ -98,15 +100,19 @@ def interruptible() -> Iterator[None]:
 @contextmanager
 def _handlers(flag: StopFlag) -> Iterator[None]:
     """Have signals set the flag: the handlers must be Python's, so that the system's one writes to the listener."""
-    before: dict[int, Any] = {}
     for number in _ASK_TO_STOP:
         if signal.getsignal(number) is not signal.SIG_IGN:
-            before[number] = signal.signal(number, _SetsFlag(flag))
+            _before_ours[number] = signal.signal(number, _SetsFlag(flag))
     try:
         yield
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        _restore()
+
+
+def _restore() -> None:
+    """Put the handlers back that were there before ours."""
+    while _before_ours:
+        signal.signal(*_before_ours.popitem())
 
 
 @contextmanager
@@ -128,6 +134,20 @@ def _listener(flag: StopFlag) -> Iterator[None]:
         theirs.close()  # the listener reads the end of it
         listener.join()
         ours.close()
+
+
+def _after_fork() -> None:
+    """Be a process that a signal ends, in a child that a node has forked: the thread that listens is its parent's."""
+    global _listening
+    if _listening:
+        with suppress(ValueError):  # forked by another thread than the main one, which Python tells by a message
+            signal.set_wakeup_fd(-1)
+            _restore()
+        _listening = False
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_after_fork)
 
 
 def _listen(bytes_of: socket.socket, flag: StopFlag) -> None:

@@ -81,6 +81,7 @@ def main() -> int:
     """Kill many runs; return 1 if anything was wrong with one of them."""
     parser = argparse.ArgumentParser(prog="python -m tools.reliability.kills", description=__doc__)
     parser.add_argument("--times", type=int, default=100)
+    parser.add_argument("--earliest", type=float, default=0.1, metavar="SECONDS", help="the earliest moment (0.1)")
     parser.add_argument("--longest", type=float, default=4.0, metavar="SECONDS", help="the latest moment (4)")
     parser.add_argument("--frames", type=int, default=24, help="of each run (24)")
     parser.add_argument("--size", type=size_of, metavar="WxH", help="of the plates (600x400)")
@@ -89,7 +90,7 @@ def main() -> int:
     chance = random.Random(given.seed)
     outcomes = []
     for _ in range(given.times):
-        victim, moment = chance.choice(["run", "worker"]), chance.uniform(0.1, given.longest)
+        victim, moment = chance.choice(["run", "worker"]), chance.uniform(given.earliest, given.longest)
         outcomes.append(kill(victim, moment, frames=given.frames, size=given.size))
         for fault in outcomes[-1].faults:
             print(f"{outcomes[-1].victim} killed at {outcomes[-1].moment:.3f} s: {fault}")

@@ -78,6 +78,7 @@ def main() -> int:
     parser.add_argument("--size", type=size_of, metavar="WxH", help="of the plates (600x400)")
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # "&" in a script has all that it starts ignore Ctrl-C
     chance = random.Random(given.seed)
     outcomes = []
     for _ in range(given.times):
