@@ -45,7 +45,6 @@ def _register() -> None:
             return
         # These modules take locks before a fork as well, and what registers last is asked first. While they hold
         # theirs, no thread can end an import, nor a kernel begin its threads: ours must have been waited for by then.
-        import concurrent.futures.thread
         import logging  # noqa: F401
 
         os.register_at_fork(before=_before, after_in_parent=_after, after_in_child=_after)

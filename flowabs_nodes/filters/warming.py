@@ -14,7 +14,7 @@ _HEIGHT, _WIDTH = 24, 40
 
 
 def warm_up(*names: str) -> None:
-    """Run filters once on a small picture, with default parameters, so that their first use takes no longer than others.
+    """Run filters once on a small picture, with default parameters, so that their first use takes no longer.
 
     A program calls it before it starts threads, and before it forks: children share what is loaded, and none of them
     compiles. What is compiled stays on disk. Kernels of other parameters than the defaults (``kernel="separable"``, an
@@ -51,15 +51,16 @@ def warm_up(*names: str) -> None:
 def _pictures() -> dict[str, Array | str | float]:
     """Return what a filter takes, by the name of its parameter: noise of 24 x 40 pixels."""
     chance = np.random.default_rng(1)
-    mono = 255 * chance.random((_HEIGHT, _WIDTH), np.float32)
-    color = 255 * chance.random((_HEIGHT, _WIDTH, 3), np.float32)
-    angle = 2 * np.pi * chance.random((_HEIGHT, _WIDTH), np.float32)
+    white = np.float32(255)
+    mono = white * chance.random((_HEIGHT, _WIDTH), np.float32)
+    color = white * chance.random((_HEIGHT, _WIDTH, 3), np.float32)
+    angle = np.float32(2 * np.pi) * chance.random((_HEIGHT, _WIDTH), np.float32)
     return {
         **dict.fromkeys(("code", "response"), mono),
-        "lstar": mono / 2.55,
-        "lines": mono / 255,
+        "lstar": mono / np.float32(2.55),
+        "lines": mono / white,
         "codes": color,
-        **dict.fromkeys(("rgb", "image"), color / 255),
+        **dict.fromkeys(("rgb", "image"), color / white),
         "flow": np.stack([np.cos(angle), np.sin(angle)], axis=2).astype(np.float32),
         "gradient_reference": "max",
         "p": 20.0,

@@ -136,8 +136,7 @@ def _plate(image: Image, settings: Settings, warn: Callable[[str], None]) -> tup
         return {}, {}
     try:
         with open_picture(origin.file, settings) as file:
-            theirs = attributes.values(file.specs[origin.part])
-        return theirs, header_of_part(origin.file, origin.part)
+            return attributes.values(file.specs[origin.part]), header_of_part(file.place, origin.part)
     except (FlowabsError, IndexError, RuntimeError, ValueError) as error:  # ValueError: text that is no UTF-8
         warn(f"the plate's header cannot be copied word for word ({error}): its known attributes are written")
         return {}, {}

@@ -1,7 +1,8 @@
 """Taking turns: of several processes that need the same kernel, one compiles it and the others wait for its file.
 
 The turn is a lock of the operating system on an empty file, which goes with the process that holds it, however that
-ends; a child that it forks meanwhile has no turn. Where there are no such locks, or somebody holds one for too long, everybody compiles: slower, and as right.
+ends; a child that it forks meanwhile has no turn. Where there are no such locks, or somebody holds one for too long,
+everybody compiles: slower, and as right.
 """
 
 from __future__ import annotations

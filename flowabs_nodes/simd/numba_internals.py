@@ -18,8 +18,9 @@ except (ImportError, AttributeError):
     _complete = False
 
 
+_locks: tuple[Any, ...]
 try:
-    from llvmlite.binding.ffi import lib as _llvm
+    from llvmlite.binding.ffi import lib as _llvm  # type: ignore[import-untyped]
     from numba.core.compiler_lock import global_compiler_lock
 
     _locks = (global_compiler_lock._lock, _llvm._lock._lock)

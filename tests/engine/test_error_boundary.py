@@ -2,7 +2,7 @@ import pytest
 
 from flowabs_nodes.engine.error_boundary import InternalError, error_boundary
 from flowabs_nodes.errors import FlowabsError, ReadError
-from flowabs_nodes.signals import interruptible, stop_on_signals
+from flowabs_nodes.signals import stop_on_signals
 from flowabs_nodes.stopping import StopFlag, Stopped, stopped_by
 
 
@@ -65,6 +65,6 @@ def test_what_stops_the_run_passes():
     with stop_on_signals(), pytest.raises(Stopped), error_boundary("flow", 3):
         raise Stopped
     flag = StopFlag()
-    with stopped_by(flag), interruptible(), pytest.raises(KeyboardInterrupt), error_boundary("flow", 3):
-        flag.set()
+    flag.set()
+    with stopped_by(flag), stop_on_signals(), pytest.raises(KeyboardInterrupt), error_boundary("flow", 3):
         raise KeyboardInterrupt  # of the second Ctrl-C
