@@ -36,7 +36,7 @@ def kill(victim: str, moment: float, *, frames: int = 24, jobs: int = 2, size: S
             if victim == "run":
                 process.kill()
             else:
-                for child in _children(process.pid)[:1]:
+                for child in children(process.pid)[:1]:
                     with suppress(ProcessLookupError):
                         os.kill(child, signal.SIGKILL)
             _, errors = process.communicate(timeout=120)
@@ -67,7 +67,7 @@ def _time_of(path: Path) -> int:
     return path.stat().st_mtime_ns if path.exists() else 0
 
 
-def _children(process: int) -> list[int]:
+def children(process: int) -> list[int]:
     """Return the processes that one has begun (Linux)."""
     found: list[int] = []
     with suppress(OSError):
