@@ -24,7 +24,7 @@ class Outcome:
 
     victim: str
     moment: float
-    made: int  #: frames that were there after the kill
+    made: int  #: frames that were there at that moment
     faults: tuple[str, ...]
 
 
@@ -39,12 +39,12 @@ def kill(victim: str, moment: float, *, frames: int = 24, jobs: int = 2, size: S
                 for child in children(process.pid)[:1]:
                     with suppress(ProcessLookupError):
                         os.kill(child, signal.SIGKILL)
+            made, _ = here.files()
             _, errors = process.communicate(timeout=120)
         faults = []
         if victim == "worker" and process.returncode:
             faults.append(f"a worker that was killed made the run exit {process.returncode}: {errors.strip()[-300:]}")
         faults += [f"half a frame: {name}" for name in here.damaged()]
-        made, _ = here.files()
         faults += _faults_of_resuming(here)
         return Outcome(victim, moment, len(made), tuple(faults))
 
