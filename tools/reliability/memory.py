@@ -2,6 +2,7 @@
 
 What counts is the proportional set size (PSS) of a run's processes together, in which a page that several share counts
 once; and its slope, fitted from the first fifth of the frames on: what is loaded and compiled is there by then.
+Other programs that share Python's libraries and end meanwhile make a run seem to grow: measure where nothing else runs.
 """
 
 from __future__ import annotations
