@@ -18,7 +18,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from flowabs_nodes.forks import importing
+from flowabs_nodes.forks import IMPORTING
 
 if TYPE_CHECKING:
     from flowabs_nodes import color, filters
@@ -65,12 +65,12 @@ if not TYPE_CHECKING:  # a type checker would take any name for Any
 
     def __getattr__(name: str) -> Any:
         if name in _HOMES:
-            with importing():
+            with IMPORTING:
                 value = getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
             globals()[name] = value
             return value
         if name in _MODULES:
-            with importing():
+            with IMPORTING:
                 return importlib.import_module(f"{__name__}.{name}")
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 

@@ -50,9 +50,9 @@ def test_a_lock_is_free_in_the_child_and_afterwards(lock):
 
 
 def test_a_fork_waits_while_another_thread_imports():
-    thread = holding(forks.importing(), 0.5)
+    thread = holding(forks.IMPORTING, 0.5)
     began = time.monotonic()
-    assert child(lambda: forks.importing().acquire(timeout=5))
+    assert child(lambda: forks.IMPORTING.acquire(timeout=5))
     assert time.monotonic() - began > 0.2
     thread.join()
 
@@ -82,4 +82,4 @@ def test_locks_are_taken_in_any_order(lock):
 def test_a_fork_goes_on_where_a_lock_is_never_free(lock, monkeypatch):
     monkeypatch.setattr(forks, "PATIENCE", 0.3)
     with lock:
-        assert child(lambda: not lock.acquire(timeout=0.2) and forks.importing().acquire(timeout=5))
+        assert child(lambda: not lock.acquire(timeout=0.2) and forks.IMPORTING.acquire(timeout=5))

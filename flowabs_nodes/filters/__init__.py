@@ -8,7 +8,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from flowabs_nodes.forks import importing
+from flowabs_nodes.forks import IMPORTING
 from flowabs_nodes.simd.compatible import misfit
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ if not TYPE_CHECKING:  # a type checker would take any name for Any
         if name not in _HOMES:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         try:
-            with importing():
+            with IMPORTING:
                 module = importlib.import_module(f"{__name__}.{_HOMES[name]}")
         except (ImportError, AttributeError, TypeError) as error:
             wrong_numba = misfit(error)
