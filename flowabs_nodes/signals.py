@@ -19,7 +19,7 @@ from contextlib import contextmanager, suppress
 from types import FrameType
 from typing import Any
 
-from flowabs_nodes.stopping import StopFlag, Stopped, process_flag, stopped_by
+from flowabs_nodes.stopping import StopFlag, Stopped, any_set, flags, process_flag, stopped_by
 
 #: Seconds from the first signal until the process is ended at once.
 GRACE = 20.0
@@ -32,6 +32,33 @@ _ASK_TO_STOP = tuple(
 before_the_end: list[Callable[[], object]] = []
 
 _listening = False
+#: The handlers that were there before ours, by signal.
+_before_ours: dict[int, Any] = {}
+
+
+class _SetsFlag:
+    """A handler that sets a flag at the first signal; at a further one it raises KeyboardInterrupt if ``twice``."""
+
+    def __init__(self, flag: StopFlag, *, twice: bool = False) -> None:
+        self._flag = flag
+        self._twice = twice
+
+    def __call__(self, number: int, frame: FrameType | None) -> None:
+        if self._twice and self._flag.number is not None:
+            raise KeyboardInterrupt
+        self._flag.set(number)
+
+
+def asks_to_stop(interrupt: KeyboardInterrupt) -> bool:
+    """Return whether somebody may ask the work of this thread to stop by an exception that came up in it.
+
+    False where only the code that raised it can have thought of it: Ctrl-C sets a flag here, or does nothing, and
+    nobody has asked so far.
+    """
+    if isinstance(interrupt, Stopped) or any_set(flags()):
+        return True
+    handler = signal.getsignal(signal.SIGINT)
+    return not (isinstance(handler, _SetsFlag) or handler is signal.SIG_IGN)
 
 
 @contextmanager
@@ -60,13 +87,7 @@ def interruptible() -> Iterator[None]:
         yield
         return
     flag = StopFlag()
-
-    def handle(number: int, frame: FrameType | None) -> None:
-        if flag.number is not None:
-            raise KeyboardInterrupt
-        flag.set(number)
-
-    signal.signal(signal.SIGINT, handle)
+    signal.signal(signal.SIGINT, _SetsFlag(flag, twice=True))
     try:
         with stopped_by(flag):
             yield
@@ -79,15 +100,19 @@ def interruptible() -> Iterator[None]:
 @contextmanager
 def _handlers(flag: StopFlag) -> Iterator[None]:
     """Have signals set the flag: the handlers must be Python's, so that the system's one writes to the listener."""
-    before: dict[int, Any] = {}
     for number in _ASK_TO_STOP:
         if signal.getsignal(number) is not signal.SIG_IGN:
-            before[number] = signal.signal(number, lambda number, frame: flag.set(number))
+            _before_ours[number] = signal.signal(number, _SetsFlag(flag))
     try:
         yield
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        _restore()
+
+
+def _restore() -> None:
+    """Put the handlers back that were there before ours."""
+    while _before_ours:
+        signal.signal(*_before_ours.popitem())
 
 
 @contextmanager
@@ -109,6 +134,20 @@ def _listener(flag: StopFlag) -> Iterator[None]:
         theirs.close()  # the listener reads the end of it
         listener.join()
         ours.close()
+
+
+def _after_fork() -> None:
+    """Be a process that a signal ends, in a child that a node has forked: the thread that listens is its parent's."""
+    global _listening
+    if _listening:
+        with suppress(ValueError):  # forked by another thread than the main one, which Python tells by a message
+            signal.set_wakeup_fd(-1)
+            _restore()
+        _listening = False
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_after_fork)
 
 
 def _listen(bytes_of: socket.socket, flag: StopFlag) -> None:

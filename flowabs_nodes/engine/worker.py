@@ -68,6 +68,8 @@ def main() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     replies = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a node prints is no message
+    if hasattr(os, "register_at_fork"):
+        os.register_at_fork(after_in_child=lambda: _leave(replies))
     flag = StopFlag()
     requests: queue.SimpleQueue[Any] = queue.SimpleQueue()
     threading.Thread(target=_read_requests, args=(sys.stdin.buffer, requests, flag), daemon=True).start()
@@ -80,6 +82,13 @@ def main() -> None:
     except OSError:  # nobody reads any more
         code = 1
     os._exit(code)
+
+
+def _leave(replies: BinaryIO) -> None:
+    """Let go of the pipe in a process that a node has forked: the run hears of the end of this one by the pipe's."""
+    nothing = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nothing, replies.fileno(), inheritable=False)
+    os.close(nothing)
 
 
 def _read_requests(pipe: BinaryIO, requests: queue.SimpleQueue[Any], flag: StopFlag) -> None:

@@ -138,7 +138,7 @@ def _plate(image: Image, settings: Settings, warn: Callable[[str], None]) -> tup
     try:
         with open_picture(origin.file, settings) as file:
             theirs = attributes.values(file.specs[origin.part])
-        return theirs, header_of_part(origin.file, origin.part, warn)
+            return theirs, header_of_part(file.place, origin.part, warn)
     except (FlowabsError, IndexError) as error:
         warn(f"the plate's header cannot be copied word for word ({error}): its known attributes are written")
         return {}, {}

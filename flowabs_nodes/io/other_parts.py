@@ -35,7 +35,7 @@ def check_other_parts(path: str, specs: Sequence[oiio.ImageSpec], part: int, set
     if len(specs) < 2:
         return
     state = os.stat(path)
-    signature = (os.path.abspath(path), state.st_dev, state.st_ino, state.st_size, state.st_mtime_ns)
+    signature = (state.st_dev, state.st_ino, state.st_size, state.st_mtime_ns)
     whole = _whole.setdefault(signature, set())
     while len(_whole) > _FILES:
         _whole.pop(next(iter(_whole)), None)

@@ -61,7 +61,7 @@ def passthrough_layers(picture: Picture, warn: Callable[[str], None]) -> Passthr
             mine = {name: moved(plane, data, picture.image.data_window) for name, plane in mine.items()}
         parts = []
         for part, channels in chosen.items():
-            header = header_of_part(origin.file, part, warn)
+            header = header_of_part(file.place, part, warn)
             header["compression"] = file.specs[part].get_string_attribute("compression")
             parts.append((header, _named(file.read_native(part, channels))))
     return Passthrough(_named(mine), tuple(parts))
