@@ -14,6 +14,7 @@ import select
 import signal
 import socket
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from types import FrameType
@@ -23,6 +24,11 @@ from flowabs_nodes.stopping import StopFlag, Stopped, any_set, flags, process_fl
 
 #: Seconds from the first signal until the process is ended at once.
 GRACE = 20.0
+
+#: And until work is broken off of which nothing is lost, such as compiling a kernel.
+PATIENCE = 2.0
+
+_STEP = 0.5  # seconds between two looks at it
 
 _ASK_TO_STOP = tuple(
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK") if hasattr(signal, name)
@@ -153,17 +159,24 @@ if hasattr(os, "register_at_fork"):
 def _listen(bytes_of: socket.socket, flag: StopFlag) -> None:
     """Set the flag at the first signal; end the process at the second, or some seconds after the first."""
     heard: list[int] = []
+    asked = 0.0
     while True:
-        patience = GRACE if heard else None
-        if not select.select([bytes_of], [], [], patience)[0]:
-            end_now(heard[0], f"still at work {GRACE:g} s after it was asked to stop: ended now")
+        if not select.select([bytes_of], [], [], _STEP if heard else None)[0]:
+            waited = time.monotonic() - asked
+            if waited > PATIENCE and any(may() for may in may_be_broken_off):
+                end_now(heard[0], "asked to stop while a kernel was compiled: ended now")
+            if waited > GRACE:
+                end_now(heard[0], f"still at work {GRACE:g} s after it was asked to stop: ended now")
+            continue
         received = b""
         with suppress(BlockingIOError):
             received = bytes_of.recv(64)
             if not received:
                 return
+        before = len(heard)
         heard += [number for number in received if number in _ASK_TO_STOP]
-        if heard:
+        if heard and not before:
+            asked = time.monotonic()
             flag.set(heard[0])
         if len(heard) > 1:
             end_now(heard[0], "asked to stop twice: ended now")

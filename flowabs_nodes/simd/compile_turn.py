@@ -24,6 +24,9 @@ _system: Any = importlib.import_module("msvcrt" if sys.platform == "win32" else 
 _held: dict[Path, int] = {}  # file descriptors of this process's turns
 
 
+stopping.may_be_broken_off.append(lambda: bool(_held))
+
+
 def take(file: Path) -> None:
     """Wait for the turn that ``file`` stands for, but not for ever."""
     give(file)  # of a compilation that failed

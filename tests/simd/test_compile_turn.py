@@ -3,6 +3,7 @@ import sys
 
 import pytest
 
+from flowabs_nodes import stopping
 from flowabs_nodes.simd import compile_turn
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="locks and forks of Unix")
@@ -44,3 +45,9 @@ def test_a_child_has_no_turn_and_leaves_the_parent_its_own(turn):
         os._exit(len(compile_turn._held))
     assert os.waitpid(child, 0)[1] == 0
     assert not is_free(turn)
+
+
+def test_who_has_a_turn_may_be_broken_off(turn):
+    assert any(may() for may in stopping.may_be_broken_off)
+    compile_turn.give(turn)
+    assert not any(may() for may in stopping.may_be_broken_off)
