@@ -20,7 +20,7 @@ from contextlib import contextmanager, suppress
 from types import FrameType
 from typing import Any
 
-from flowabs_nodes.stopping import StopFlag, Stopped, any_set, flags, process_flag, stopped_by
+from flowabs_nodes.stopping import StopFlag, Stopped, any_set, flags, may_be_broken_off, process_flag, stopped_by
 
 #: Seconds from the first signal until the process is ended at once.
 GRACE = 20.0
