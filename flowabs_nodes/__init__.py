@@ -18,6 +18,8 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from flowabs_nodes.forks import IMPORTING
+
 if TYPE_CHECKING:
     from flowabs_nodes import color, filters
     from flowabs_nodes.engine.render_sequence import run
@@ -68,11 +70,13 @@ if not TYPE_CHECKING:  # a type checker would take any name for Any
 
     def __getattr__(name: str) -> Any:
         if name in _HOMES:
-            value = getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
+            with IMPORTING:
+                value = getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
             globals()[name] = value
             return value
         if name in _MODULES:
-            return importlib.import_module(f"{__name__}.{name}")
+            with IMPORTING:
+                return importlib.import_module(f"{__name__}.{name}")
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

@@ -136,6 +136,21 @@ class InternalError(FlowabsError):
     code = "internal"
 
 
+def unforeseen(error: BaseException) -> InternalError:
+    """Return the InternalError that stands for an exception which nobody foresaw; the caller raises it from that one.
+
+    Its message is one line. Of what is no Exception, such as SystemExit, it says that it was meant for the process.
+    """
+    first_line = (str(error).strip().splitlines() or [""])[0][:300]
+    said = f"{type(error).__name__}: {first_line}"
+    if isinstance(error, Exception):
+        return InternalError(said)
+    return InternalError(
+        f"it tried to end the whole process ({said.removesuffix(': ')})",
+        hint="a node that cannot go on raises an Exception, and only its frame fails",
+    )
+
+
 def closest(name: object, known: Iterable[str]) -> str | None:
     """Return the known name that ``name`` was probably meant to be; None if none is.
 

@@ -6,9 +6,12 @@ import hashlib
 import os
 import threading
 
+from flowabs_nodes import forks
+
 #: A cache: (real path, size, time of change) -> hash.
 _known: dict[tuple[str, int, int], str] = {}
 _lock = threading.Lock()
+forks.take_before(_lock)
 
 
 def file_hash(path: str | os.PathLike[str]) -> str:

@@ -14,15 +14,21 @@ import select
 import signal
 import socket
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from types import FrameType
 from typing import Any
 
-from flowabs_nodes.stopping import StopFlag, Stopped, process_flag, stopped_by
+from flowabs_nodes.stopping import StopFlag, Stopped, any_set, flags, may_be_broken_off, process_flag, stopped_by
 
 #: Seconds from the first signal until the process is ended at once.
 GRACE = 20.0
+
+#: And until work is broken off of which nothing is lost, such as compiling a kernel.
+PATIENCE = 2.0
+
+_STEP = 0.5  # seconds between two looks at it
 
 _ASK_TO_STOP = tuple(
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK") if hasattr(signal, name)
@@ -32,6 +38,33 @@ _ASK_TO_STOP = tuple(
 before_the_end: list[Callable[[], object]] = []
 
 _listening = False
+#: The handlers that were there before ours, by signal.
+_before_ours: dict[int, Any] = {}
+
+
+class _SetsFlag:
+    """A handler that sets a flag at the first signal; at a further one it raises KeyboardInterrupt if ``twice``."""
+
+    def __init__(self, flag: StopFlag, *, twice: bool = False) -> None:
+        self._flag = flag
+        self._twice = twice
+
+    def __call__(self, number: int, frame: FrameType | None) -> None:
+        if self._twice and self._flag.number is not None:
+            raise KeyboardInterrupt
+        self._flag.set(number)
+
+
+def asks_to_stop(interrupt: KeyboardInterrupt) -> bool:
+    """Return whether somebody may ask the work of this thread to stop by an exception that came up in it.
+
+    False where only the code that raised it can have thought of it: Ctrl-C sets a flag here, or does nothing, and
+    nobody has asked so far.
+    """
+    if isinstance(interrupt, Stopped) or any_set(flags()):
+        return True
+    handler = signal.getsignal(signal.SIGINT)
+    return not (isinstance(handler, _SetsFlag) or handler is signal.SIG_IGN)
 
 
 @contextmanager
@@ -60,13 +93,7 @@ def interruptible() -> Iterator[None]:
         yield
         return
     flag = StopFlag()
-
-    def handle(number: int, frame: FrameType | None) -> None:
-        if flag.number is not None:
-            raise KeyboardInterrupt
-        flag.set(number)
-
-    signal.signal(signal.SIGINT, handle)
+    signal.signal(signal.SIGINT, _SetsFlag(flag, twice=True))
     try:
         with stopped_by(flag):
             yield
@@ -79,15 +106,19 @@ def interruptible() -> Iterator[None]:
 @contextmanager
 def _handlers(flag: StopFlag) -> Iterator[None]:
     """Have signals set the flag: the handlers must be Python's, so that the system's one writes to the listener."""
-    before: dict[int, Any] = {}
     for number in _ASK_TO_STOP:
         if signal.getsignal(number) is not signal.SIG_IGN:
-            before[number] = signal.signal(number, lambda number, frame: flag.set(number))
+            _before_ours[number] = signal.signal(number, _SetsFlag(flag))
     try:
         yield
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        _restore()
+
+
+def _restore() -> None:
+    """Put the handlers back that were there before ours."""
+    while _before_ours:
+        signal.signal(*_before_ours.popitem())
 
 
 @contextmanager
@@ -111,26 +142,47 @@ def _listener(flag: StopFlag) -> Iterator[None]:
         ours.close()
 
 
+def _after_fork() -> None:
+    """Be a process that a signal ends, in a child that a node has forked: the thread that listens is its parent's."""
+    global _listening
+    if _listening:
+        with suppress(ValueError):  # forked by another thread than the main one, which Python tells by a message
+            signal.set_wakeup_fd(-1)
+            _restore()
+        _listening = False
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_after_fork)
+
+
 def _listen(bytes_of: socket.socket, flag: StopFlag) -> None:
     """Set the flag at the first signal; end the process at the second, or some seconds after the first."""
     heard: list[int] = []
+    asked = 0.0
     while True:
-        patience = GRACE if heard else None
-        if not select.select([bytes_of], [], [], patience)[0]:
-            _end_now(heard[0], f"still at work {GRACE:g} s after it was asked to stop: ended now")
+        if not select.select([bytes_of], [], [], _STEP if heard else None)[0]:
+            waited = time.monotonic() - asked
+            if waited > PATIENCE and any(may() for may in may_be_broken_off):
+                end_now(heard[0], "asked to stop while a kernel was compiled: ended now")
+            if waited > GRACE:
+                end_now(heard[0], f"still at work {GRACE:g} s after it was asked to stop: ended now")
+            continue
         received = b""
         with suppress(BlockingIOError):
             received = bytes_of.recv(64)
             if not received:
                 return
+        before = len(heard)
         heard += [number for number in received if number in _ASK_TO_STOP]
-        if heard:
+        if heard and not before:
+            asked = time.monotonic()
             flag.set(heard[0])
         if len(heard) > 1:
-            _end_now(heard[0], "asked to stop twice: ended now")
+            end_now(heard[0], "asked to stop twice: ended now")
 
 
-def _end_now(number: int, why: str) -> None:
+def end_now(number: int, why: str) -> None:
     """End the process without waiting for anything, but for what must not be left behind."""
     for act in before_the_end:
         with suppress(Exception):

@@ -7,7 +7,7 @@ leaves the lock taken. A flag is only looked at where work may end.
 from __future__ import annotations
 
 import signal
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
@@ -46,6 +46,9 @@ class StopFlag:
             self.told = True
             raise Stopped(self.number)
 
+
+#: Each says whether work is going on that does not look at flags, and of which nothing is lost where it is broken off.
+may_be_broken_off: list[Callable[[], bool]] = []
 
 #: For all work of this process: what a signal sets that was sent to the command.
 _process = StopFlag()

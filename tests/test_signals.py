@@ -108,6 +108,40 @@ def test_one_signal_ends_it_after_a_while():
     assert "still at work 0.3 s after" in err
 
 
+@BOTH
+def test_work_of_which_nothing_is_lost_is_broken_off_sooner(number, code):
+    sooner = "signals.PATIENCE = 0.3\nstopping.may_be_broken_off.append(lambda: {})\n"
+    child = process(sooner.format(True) + STUCK.format(grace=60))
+    child.send_signal(number)
+    out, err = child.communicate(timeout=10)
+    assert (child.returncode, out) == (code, "cleaned\n")
+    assert "while a kernel was compiled" in err
+    other = process(sooner.format(False) + STUCK.format(grace=60))
+    other.send_signal(number)
+    with pytest.raises(subprocess.TimeoutExpired):
+        other.communicate(timeout=1.5)
+    other.kill()
+    other.communicate()
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_to_a_child_of_a_fork_ends_the_child_alone(number):
+    """As multiprocessing ends its processes, in a node that uses it."""
+    with stop_on_signals():
+        child = os.fork()
+        if child == 0:
+            try:
+                time.sleep(60)
+            finally:
+                os._exit(3 if signal.getsignal(number) is signal.default_int_handler else 4)
+        time.sleep(0.1)
+        os.kill(child, number)
+        assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) in (-number, 3)
+        time.sleep(0.2)
+        assert not stopping.any_set(stopping.flags())
+
+
 def test_ctrl_c_in_python_waits_for_a_place_where_work_may_end():
     places = []
 

@@ -77,6 +77,8 @@ def _data(name: str, path: Path) -> dict[str, Any]:
         {
             "name": knob.name,
             "type": knob.type,
+            "label": knob.param.label,
+            "group": knob.group,
             "default": knob.default,
             "min": knob.min,
             "max": knob.max,

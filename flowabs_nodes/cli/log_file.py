@@ -30,7 +30,7 @@ def open_log(path: str, *, graph: str, root: Path | None) -> TextIO:
         The file cannot be written, lies outside ``root``, or is no log: a picture by its name, the graph, or something
         that would have to be read by another program at the same time.
     """
-    from flowabs_nodes.io import formats
+    from flowabs_nodes.io import confined, formats
     from flowabs_nodes.io.settings import Settings, checked
 
     name = checked(path, Settings(root=root))
@@ -41,13 +41,21 @@ def open_log(path: str, *, graph: str, root: Path | None) -> TextIO:
     if formats.by_extension(str(name)) is not None:
         raise refuse("this is the name of a picture", "a log is a text, such as run.log")
     try:
-        name.parent.mkdir(parents=True, exist_ok=True)
-        if name.exists():
-            if os.path.exists(graph) and name.samefile(graph):
-                raise refuse("this is the graph")
-            if not (stat.S_ISREG(mode := name.stat().st_mode) or stat.S_ISCHR(mode)):
-                raise refuse("this is no file to append to")
-        return name.open("a", buffering=1, encoding="utf-8", errors="backslashreplace")
+        with confined.held_folder(name.parent, root) as folder:
+            place = folder / name.name
+            if place.exists():
+                if os.path.exists(graph) and place.samefile(graph):
+                    raise refuse("this is the graph")
+                if not (stat.S_ISREG(mode := place.stat().st_mode) or stat.S_ISCHR(mode)):
+                    raise refuse("this is no file to append to")
+
+            def opener(path: str, flags: int) -> int:
+                fd = os.open(place, flags, 0o666)
+                if root is not None and confined.HOLDS:
+                    confined.check_open(fd, path, root)  # it may be a link by now
+                return fd
+
+            return open(name, "a", buffering=1, encoding="utf-8", errors="backslashreplace", opener=opener)
     except OSError as error:
         raise refuse(f"cannot be written: {error.strerror or error}") from error
 

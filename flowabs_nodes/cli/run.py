@@ -94,6 +94,8 @@ def run(
 
         if profile or log_file is not None:
             raise click.UsageError("--profile and --log-file are of a whole run: they do not go with --view", context)
+        if options["scheduler"] is not None:
+            raise click.UsageError("--view makes its one picture here: it does not go with --scheduler", context)
         kernel_path()
         with compiling_ahead(graph, options["set"]):
             return view_node(graph, view, RunOptions(**options), (JsonLines if as_json else Lines)(loudness, again))

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import OpenImageIO as oiio
 
+from flowabs_nodes import forks
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.color import config_files
 from flowabs_nodes.color.constants import RGB_TO_XYZ
@@ -64,6 +65,7 @@ class Config:
 Ocio = str | os.PathLike[str] | Config | None
 
 _lock = threading.Lock()
+forks.take_before(_lock)
 
 
 def opened(ocio: Ocio = None) -> Config:

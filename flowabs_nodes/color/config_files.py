@@ -17,6 +17,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache, lru_cache
 
+from flowabs_nodes import forks
 from flowabs_nodes.errors import ColorError
 from flowabs_nodes.file_hash import file_hash, file_version
 
@@ -30,6 +31,7 @@ _VARIABLE = re.compile(r"\$\{?([A-Za-z_]\w*)\}?|%([A-Za-z_]\w*)%")
 #: A cache: where a table may lie -> the hash of what was there when this process first asked; "" for nothing.
 _first_seen: dict[str, str] = {}
 _lock = threading.Lock()
+forks.take_before(_lock)
 
 
 @dataclass(frozen=True)

@@ -159,7 +159,7 @@ def _described(spec: oiio.ImageSpec, display_referred: bool, passed_over: list[s
             reason = error.message if isinstance(error, ColorError) else "damaged"
             passed_over.append(f"its cICP {tuple(np.ravel(codes).tolist())} is not used: {reason}")
     profile = spec.getattribute("ICCProfile")
-    if profile is not None:
+    if profile is not None and not isinstance(profile, str | int | float):  # of which an EXR may have one of that name
         name = _text(spec, "ICCProfile:profile_description")[:60]
         try:
             return _encoded(read_profile(np.asarray(profile, np.uint8).tobytes(), name), display_referred)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from flowabs_nodes.errors import FlowabsError, InternalError
+from flowabs_nodes.errors import FlowabsError, InternalError, unforeseen
+from flowabs_nodes.signals import asks_to_stop
 from flowabs_nodes.simd.compatible import misfit
 
 __all__ = ["InternalError", "error_boundary"]
@@ -15,8 +16,9 @@ __all__ = ["InternalError", "error_boundary"]
 def error_boundary(node: str | None = None, frame: int | None = None) -> Iterator[None]:
     """Raise on whatever is raised inside as a :class:`FlowabsError` that knows its node and frame.
 
-    A node may come from any package and fail in any way, and one frame must never stop the others, so this is the one
-    place that catches every exception. KeyboardInterrupt and SystemExit pass.
+    A node may come from any package and fail in any way, by ``sys.exit`` too, and one frame must never stop the others,
+    so this is the one place that catches everything. Only what stops the run passes: Stopped, and a KeyboardInterrupt
+    that Ctrl-C may have raised (:func:`~flowabs_nodes.signals.asks_to_stop`).
 
     Raises
     ------
@@ -33,8 +35,8 @@ def error_boundary(node: str | None = None, frame: int | None = None) -> Iterato
         message = f"not enough memory ({error})" if str(error) else "not enough memory"
         hint = "run fewer jobs at once, or at a smaller --scale"
         raise InternalError(message, code="out-of-memory", hint=hint, node=node, frame=frame) from error
-    except Exception as error:  # turned into ours and raised on, cause kept
-        if (unfit := misfit(error)) is not None:
-            raise unfit.at(node=node, frame=frame) from error
-        first_line = (str(error).strip().splitlines() or [""])[0][:300]
-        raise InternalError(f"{type(error).__name__}: {first_line}", node=node, frame=frame) from error
+    except BaseException as error:  # turned into ours and raised on, cause kept
+        if isinstance(error, KeyboardInterrupt) and asks_to_stop(error):
+            raise
+        unfit = misfit(error)
+        raise (unforeseen(error) if unfit is None else unfit).at(node=node, frame=frame) from error

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import inspect
 import os
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import Field, dataclass, field, fields, replace
 from numbers import Integral, Real
@@ -22,6 +23,7 @@ from flowabs_nodes.io.settings import Settings, refuse_shell_words
 PathLike = str | os.PathLike[str]
 
 _DECLARED = "flag"
+_SCHEDULER = re.compile(r"local|tcp://(\[[0-9A-Fa-f:.%\w]+\]|[^\s:/\[\]]+):\d{1,5}")
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
@@ -104,6 +106,10 @@ class RunOptions:
     retries
         How often a frame is tried again whose process was lost or late, or for which a disk or the network failed for
         a moment.
+    scheduler
+        Where frames are rendered: "tcp://host:port" is a scheduler of Dask, whose workers see the same files; "local"
+        starts one on this machine. ``jobs`` is then how many frames are at work on all workers, and ``memory`` what
+        each worker may take (with "local": all of them). Without it, frames are rendered by processes of this run.
     scale
         Above 0 up to 1: filters and writes a smaller picture, with lengths to match.
     root
@@ -182,6 +188,10 @@ class RunOptions:
             min=0,
         ),
     )
+    scheduler: str | None = field(
+        default=None,
+        metadata=_flag("Render on Dask: tcp://HOST:PORT, or local for workers on this machine.", metavar="ADDRESS"),
+    )
     scale: float = field(
         default=1.0, metadata=_flag("Filter a smaller picture, with lengths to match: 0.5 is half.", type=float)
     )
@@ -221,6 +231,12 @@ class RunOptions:
         if timeout is not None and not (is_number and float(timeout) > 0):
             raise ArgumentError(f"timeout: expected seconds above 0, found {timeout!r}", parameter="timeout")
         _ = self.memory_bytes
+        if self.scheduler is not None and not _SCHEDULER.fullmatch(str(self.scheduler)):
+            raise ArgumentError(
+                f"scheduler: expected local or tcp://HOST:PORT, found {self.scheduler!r}",
+                code="bad-value",
+                parameter="scheduler",
+            )
 
     def _check_count(self, name: str) -> None:
         """Raise ArgumentError where an option that counts something is no whole number, or too small."""
@@ -250,7 +266,7 @@ class RunOptions:
 
     def for_frames(self) -> RunOptions:
         """Return the options that a single frame depends on, without those that chose the frames and the graph."""
-        return replace(self, input=None, output=None, frames=None, set=None)
+        return replace(self, input=None, output=None, frames=None, set=None, scheduler=None)
 
 
 def takes_run_options(function: Function) -> Function:

@@ -120,7 +120,9 @@ def _render(
             if not made_since(path, key, around.left) and is_stale(path, key, origin, options.existing, notes)
         ]
     with ExitStack() as held:  # from before the filtering: another run that comes to this frame must not do it as well
-        claims = {path: held.enter_context(claim(checked(path, settings), around.watch)) for path in stale}
+        claims = {
+            path: held.enter_context(claim(checked(path, settings), around.watch, settings.root)) for path in stale
+        }
         stale = [path for path in stale if not made_since(path, of_file[path], before)]  # while this run was looking
         if not stale:
             notes.append(Note("nothing to do: its files are there, whole, and made from the same", detail=True))

@@ -1,4 +1,4 @@
-"""Renders many frames, in this process or in several: by what the run asks for, or by what pays."""
+"""Renders many frames, in this process, in several or on Dask: by what the run asks for, or by what pays."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 from collections import deque
 from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
+from typing import TYPE_CHECKING
 
 from flowabs_nodes import stopping
 from flowabs_nodes.engine import child_python
@@ -22,6 +23,10 @@ from flowabs_nodes.errors import WriteError
 from flowabs_nodes.io.claim_watch import ClaimWatch
 from flowabs_nodes.simd import bands
 
+if TYPE_CHECKING:  # only where a run asks for it
+    from flowabs_nodes.engine.dask_cluster import DaskCluster
+    from flowabs_nodes.engine.dask_pool import DaskPool
+
 #: Seconds of work ahead from which other processes pay, each of which takes most of a second to begin.
 WORTH = 4.0
 
@@ -30,17 +35,31 @@ NEIGHBOURS = 24
 
 
 def render_frames(
-    job: Job, numbers: Sequence[int], options: RunOptions, store: ResultStore, tell: RunEvents, watch: ClaimWatch
+    job: Job,
+    numbers: Sequence[int],
+    options: RunOptions,
+    store: ResultStore,
+    tell: RunEvents,
+    watch: ClaimWatch,
+    cluster: DaskCluster | None = None,
 ) -> Iterator[FrameReport]:
     """Yield the report of each frame as it ends; once the disk is full, all further frames have failed.
+
+    With a ``cluster`` all frames are rendered there.
 
     Without ``options.jobs`` frames are rendered here until two have been made, and the others in parallel if what is
     left is worth it: the first one's time is that of loading and compiling too. The pixels are the same in any case.
     """
+    if cluster is not None:
+        from flowabs_nodes.engine.dask_pool import DaskPool
+
+        at_once = options.jobs or sum(place.threads for place in cluster.usable.values())
+        yield from _in_parallel(DaskPool(cluster, options, tell, chunk=_chunk(job, numbers, at_once)), numbers)
+        return
     limits = _limits(options, len(numbers))
     rest = deque(numbers)
     peak = made = 0
-    travels = _can_travel(job)
+    travels = can_travel(job)
     if not travels and _needs_processes(options):
         text = "frames are rendered in this process, one at a time and without a time limit: no other process can have"
         tell.note(Note(f"{text} its nodes", warning=True))
@@ -62,11 +81,11 @@ def render_frames(
         del carried
         give_back_freed_memory()
     if rest:
-        pool = WorkerPool(job, limits, peak=peak, chunk=_chunk(job, rest, limits), tell=tell)
+        pool = WorkerPool(job, limits, peak=peak, chunk=_chunk(job, rest, limits.jobs), tell=tell)
         yield from _in_parallel(pool, rest)
 
 
-def _in_parallel(pool: WorkerPool, numbers: Sequence[int]) -> Iterator[FrameReport]:
+def _in_parallel(pool: WorkerPool | DaskPool, numbers: Sequence[int]) -> Iterator[FrameReport]:
     """Yield the reports of frames that processes render, and of those that are not made since the disk is full."""
     for report in pool.render(numbers):
         yield report
@@ -84,7 +103,7 @@ def _limits(options: RunOptions, frames: int) -> Limits:
 
 def _needs_processes(options: RunOptions) -> bool:
     """Return whether even one frame goes to a process of its own: only there can it be ended when it is late."""
-    return (options.jobs or 1) > 1 or options.timeout is not None
+    return (options.jobs or 1) > 1 or options.timeout is not None or options.scheduler is not None
 
 
 def _pays(seconds: float, rest: Sequence[int], limits: Limits) -> bool:
@@ -92,7 +111,7 @@ def _pays(seconds: float, rest: Sequence[int], limits: Limits) -> bool:
     return limits.jobs > 1 and len(rest) > 1 and seconds * len(rest) > WORTH
 
 
-def _can_travel(job: Job) -> bool:
+def can_travel(job: Job) -> bool:
     """Return whether another process can be given the job: not nodes that a script has made up."""
     declared = (job.catalogue or {}).values()
     return child_python.can_start() and not any(
@@ -100,11 +119,11 @@ def _can_travel(job: Job) -> bool:
     )
 
 
-def _chunk(job: Job, numbers: Sequence[int], limits: Limits) -> int:
-    """Return how many frames a process gets at a time."""
+def _chunk(job: Job, numbers: Sequence[int], jobs: int) -> int:
+    """Return how many frames a process gets at a time, of ``jobs`` at once."""
     if all(node.declaration.frames is None for node in job.graph.nodes.values()):
         return 1
-    return min(NEIGHBOURS, math.ceil(len(numbers) / limits.jobs))
+    return min(NEIGHBOURS, math.ceil(len(numbers) / jobs))
 
 
 def _disk_is_full(report: FrameReport) -> bool:

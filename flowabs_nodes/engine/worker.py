@@ -1,7 +1,8 @@
 """A process that renders frames for a run: the other side of :mod:`flowabs_nodes.engine.worker_pool`.
 
 Requests come on standard input: first the job, then some frames at a time. What becomes of them goes to what was
-standard output. When the input ends (the run stops, or its process has died) the frame at work is given up.
+standard output. When the input ends (the run stops, or its process has died) the frame at work is given up; if it does
+not let go (a read that hangs), the process is ended all the same.
 """
 
 from __future__ import annotations
@@ -11,9 +12,11 @@ import queue
 import signal
 import sys
 import threading
+import time
 from dataclasses import dataclass
 from typing import Any, BinaryIO
 
+from flowabs_nodes import signals
 from flowabs_nodes.engine.carry_over import CarryOver
 from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.memory import peak_since_reset, reset_peak
@@ -65,6 +68,8 @@ def main() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     replies = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a node prints is no message
+    if hasattr(os, "register_at_fork"):
+        os.register_at_fork(after_in_child=lambda: _leave(replies))
     flag = StopFlag()
     requests: queue.SimpleQueue[Any] = queue.SimpleQueue()
     threading.Thread(target=_read_requests, args=(sys.stdin.buffer, requests, flag), daemon=True).start()
@@ -79,14 +84,23 @@ def main() -> None:
     os._exit(code)
 
 
+def _leave(replies: BinaryIO) -> None:
+    """Let go of the pipe in a process that a node has forked: the run hears of the end of this one by the pipe's."""
+    nothing = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nothing, replies.fileno(), inheritable=False)
+    os.close(nothing)
+
+
 def _read_requests(pipe: BinaryIO, requests: queue.SimpleQueue[Any], flag: StopFlag) -> None:
-    """Hand on each request; at the end of the input ask the work to stop."""
+    """Hand on each request; at the end of the input ask the work to stop, and end the process if it does not."""
     try:
         while True:
             requests.put(receive(pipe))
     except (EOFError, OSError):
         flag.set()
         requests.put(None)
+    time.sleep(signals.GRACE)
+    signals.end_now(signal.SIGTERM, f"a process whose run has ended is still at work {signals.GRACE:g} s later: ended")
 
 
 def _serve(requests: queue.SimpleQueue[Any], replies: BinaryIO) -> None:

@@ -1,7 +1,8 @@
 """Renders the frames of a run in parallel processes, as many as a memory budget and the processors allow.
 
 The first frame is rendered alone; the most memory that it took says how many may be rendered at once. A process that is
-lost costs only its frames, which are rendered again.
+lost costs only its frames, which are rendered again. Each worker of Dask has such a pool of one process for a frame at
+work (:mod:`flowabs_nodes.engine.dask_worker`).
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from collections import deque
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any, BinaryIO, cast
+from typing import Any, BinaryIO, Protocol, cast
 
 from flowabs_nodes import signals, stopping
 from flowabs_nodes.engine import child_python
@@ -23,7 +24,6 @@ from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.memory import resident
 from flowabs_nodes.engine.messages import receive, send
 from flowabs_nodes.engine.report import FrameReport, Note
-from flowabs_nodes.engine.run_events import RunEvents
 from flowabs_nodes.engine.worker import AtWork, Begun, Ended, Request
 from flowabs_nodes.errors import InternalError
 
@@ -56,12 +56,26 @@ class Limits:
     retries: int = 1
 
 
+class PoolEvents(Protocol):
+    """Is told what happens in a pool (:class:`~flowabs_nodes.engine.run_events.RunEvents` is)."""
+
+    @property
+    def nodes(self) -> object | None:
+        """Return None where nobody asks which node is at work."""
+
+    def note(self, note: Note) -> None:
+        """Tell what happened to a process."""
+
+    def node(self, event: dict[str, Any]) -> None:
+        """Tell that a node begins or ends its work."""
+
+
 class _Worker:
     """One process, and what it is doing."""
 
-    def __init__(self, job: Job, inbox: queue.SimpleQueue[tuple[_Worker, Any]]) -> None:
+    def __init__(self, job: Job, inbox: queue.SimpleQueue[tuple[_Worker, Any]], folder: str | None) -> None:
         pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
-        self.process = child_python.start("flowabs_nodes.engine.worker", **pipes)
+        self.process = child_python.start("flowabs_nodes.engine.worker", cwd=folder, **pipes)
         self.left: list[int] = []  # the frames that it has been asked for, the one at work first
         self.frame: int | None = None  # the one at work
         self.since = 0.0  # when that one began
@@ -94,16 +108,20 @@ class WorkerPool:
     """Renders frames of a job in other processes; :meth:`render` yields their reports as the frames end.
 
     ``peak`` is the most memory that a process takes for a frame, as far as it is known. ``tell`` is told what happens
-    to processes, and which node is at work.
+    to processes, and which node is at work. ``folder`` is where names of files begin that are not absolute: where this
+    process is, unless it is given.
     """
 
-    def __init__(self, job: Job, limits: Limits, tell: RunEvents, *, peak: int = 0, chunk: int = 1) -> None:
+    def __init__(
+        self, job: Job, limits: Limits, tell: PoolEvents, *, peak: int = 0, chunk: int = 1, folder: str | None = None
+    ) -> None:
         self._job = job
-        self._limits = limits
+        self.limits = limits
         self._jobs = limits.jobs
-        self._peak = peak
+        self.peak = peak
         self._chunk = chunk
-        self._tell = tell
+        self._folder = folder
+        self.tell = tell
         self._inbox: queue.SimpleQueue[tuple[_Worker, Any]] = queue.SimpleQueue()
         self._workers: list[_Worker] = []
         self._leaving: list[_Worker] = []  # asked to end
@@ -113,17 +131,21 @@ class WorkerPool:
 
     def render(self, numbers: Iterable[int]) -> Iterator[FrameReport]:
         """Yield the report of each frame. Raises Stopped when the run is to stop; no process is left then."""
-        frames = tuple(numbers)
-        self._waiting.extend(frames[at : at + self._chunk] for at in range(0, len(frames), self._chunk))
         signals.before_the_end.append(self._kill)
         try:
-            while self._waiting or self._busy():
-                stopping.check()
-                self._assign()
-                yield from self._handle_messages()
+            yield from self.serve(numbers)
         finally:
-            self._end()
+            self.end()
             signals.before_the_end.remove(self._kill)
+
+    def serve(self, numbers: Iterable[int]) -> Iterator[FrameReport]:
+        """Yield reports as :meth:`render` does, and leave the processes ready for more, until :meth:`end`."""
+        frames = tuple(numbers)
+        self._waiting.extend(frames[at : at + self._chunk] for at in range(0, len(frames), self._chunk))
+        while self._waiting or self._busy():
+            stopping.check()
+            self._assign()
+            yield from self._handle_messages()
 
     def drop_waiting(self) -> tuple[int, ...]:
         """Forget the frames that no process has begun, and return them."""
@@ -136,22 +158,20 @@ class WorkerPool:
 
     def _at_once(self) -> int:
         """Return how many frames may be rendered at once."""
-        if not self._peak:
+        if not self.peak:
             return 1
-        fit = (self._limits.memory - resident()) // self._peak
+        fit = (self.limits.memory - resident()) // self.peak
         if fit < 1 and not self._told_alone:
             self._told_alone = True
-            need, given = f"{self._peak / 1e9:.2f} GB", f"{self._limits.memory / 1e9:.2f} GB"
-            text = f"a frame takes {need}, more than the memory of this run ({given}) leaves: one at a time"
-            self._tell.note(Note(text, warning=True))
+            self.tell.note(too_large(self.peak, self.limits.memory))
         return max(1, min(self._jobs, fit))
 
     def _assign(self) -> None:
         """Start processes, give each that is idle some frames, and end those that are too many."""
         at_once = self._at_once()
-        useful = min(self._jobs if not self._peak else at_once, len(self._waiting) + len(self._busy()))
+        useful = min(self._jobs if not self.peak else at_once, len(self._waiting) + len(self._busy()))
         while len(self._workers) < useful:
-            self._workers.append(_Worker(self._job, self._inbox))
+            self._workers.append(_Worker(self._job, self._inbox, self._folder))
         idle = [worker for worker in self._workers if not worker.left]
         for worker in idle[: max(0, len(self._workers) - useful)]:
             self._workers.remove(worker)
@@ -166,8 +186,8 @@ class WorkerPool:
             sharing = min(at_once, busy + 1 + len(self._waiting))
             worker.left = list(frames)
             worker.since = time.monotonic()
-            threads = max(1, self._limits.threads // sharing)
-            worker.ask(Request(frames, threads, listens=self._tell.nodes is not None))
+            threads = max(1, self.limits.threads // sharing)
+            worker.ask(Request(frames, threads, listens=self.tell.nodes is not None))
 
     def _handle_messages(self) -> Iterator[FrameReport]:
         """Wait for a message, but not for long, and yield the report of a frame that has ended."""
@@ -180,12 +200,12 @@ class WorkerPool:
             case Begun(frame):
                 worker.frame, worker.since = frame, time.monotonic()
             case AtWork(event):
-                self._tell.node(event)
+                self.tell.node(event)
             case Ended(report, peak):
                 worker.frame = None
                 worker.left.remove(report.frame)
                 if report.status == "done":  # to look at a frame that is there takes less
-                    self._peak = max(self._peak, peak, 1)
+                    self.peak = max(self.peak, peak, 1)
                 yield report
             case None if worker in self._workers:
                 self._workers.remove(worker)
@@ -194,10 +214,10 @@ class WorkerPool:
 
     def _kill_late_ones(self) -> None:
         """End the processes whose frame takes longer than it may."""
-        if self._limits.timeout is None:
+        if self.limits.timeout is None:
             return
         for worker in self._busy():
-            if worker.frame is not None and time.monotonic() - worker.since > self._limits.timeout:
+            if worker.frame is not None and time.monotonic() - worker.since > self.limits.timeout:
                 worker.late = True
                 worker.process.kill()
 
@@ -212,15 +232,15 @@ class WorkerPool:
         if killed and not alone:  # by the system, when it has no memory left
             self._jobs = max(1, len(self._busy()))
             text = f"its process was killed, probably for want of memory: {self._jobs} at a time from now on"
-            self._tell.note(Note(text, warning=True, frame=frame))
-        elif self._tries.get(frame, 0) < self._limits.retries:
+            self.tell.note(Note(text, warning=True, frame=frame))
+        elif self._tries.get(frame, 0) < self.limits.retries:
             self._tries[frame] = self._tries.get(frame, 0) + 1
-            text = f"{_what_happened(worker, code, self._limits)}: rendered again"
-            self._tell.note(Note(text, warning=True, frame=frame))
+            text = f"{_what_happened(worker, code, self.limits)}: rendered again"
+            self.tell.note(Note(text, warning=True, frame=frame))
         else:
             worker.left.remove(frame)
             error = InternalError(
-                _what_happened(worker, code, self._limits),
+                _what_happened(worker, code, self.limits),
                 code="timeout" if worker.late else "worker-lost",
                 hint="--timeout says how long a frame may take" if worker.late else "",
                 frame=frame,
@@ -229,7 +249,7 @@ class WorkerPool:
         if worker.left:
             self._waiting.appendleft(tuple(worker.left))
 
-    def _end(self) -> None:
+    def end(self) -> None:
         """End all processes: each gives up its frame, or is killed."""
         for worker in self._workers:
             worker.close()
@@ -250,6 +270,13 @@ class WorkerPool:
         """Kill all processes, at once."""
         for worker in [*self._workers, *self._leaving]:
             worker.process.kill()
+
+
+def too_large(peak: int, memory: int) -> Note:
+    """Return the warning that a frame takes more bytes than there are for all frames at once."""
+    need, given = f"{peak / 1e9:.2f} GB", f"{memory / 1e9:.2f} GB"
+    text = f"a frame takes {need}, more than the memory of this run ({given}) leaves: one at a time"
+    return Note(text, warning=True)
 
 
 def _what_happened(worker: _Worker, code: int, limits: Limits) -> str:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from flowabs_nodes.forks import IMPORTING
 from flowabs_nodes.simd.compatible import misfit
 
 if TYPE_CHECKING:
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from flowabs_nodes.filters.regions.fbl import fbl
     from flowabs_nodes.filters.regions.mean_shift import mean_shift, measure_clipping
     from flowabs_nodes.filters.regions.quantize import quantize
+    from flowabs_nodes.filters.warming import warm_up
 
 __all__ = [
     "bilateral",
@@ -49,6 +51,7 @@ __all__ = [
     "measure_reference",
     "quantize",
     "threshold",
+    "warm_up",
     "xdog",
     "xdog_rho",
 ]
@@ -73,6 +76,7 @@ _HOMES = {
     "measure_reference": "flow.gradient",
     "quantize": "regions.quantize",
     "threshold": "lines.threshold",
+    "warm_up": "warming",
     "xdog": "lines.xdog",
     "xdog_rho": "lines.xdog",
 }
@@ -84,7 +88,8 @@ if not TYPE_CHECKING:  # a type checker would take any name for Any
         if name not in _HOMES:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         try:
-            module = importlib.import_module(f"{__name__}.{_HOMES[name]}")
+            with IMPORTING:
+                module = importlib.import_module(f"{__name__}.{_HOMES[name]}")
         except (ImportError, AttributeError, TypeError) as error:
             wrong_numba = misfit(error)
             if wrong_numba is None:

@@ -11,7 +11,7 @@ import numpy as np
 
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.color.spaces import ColorSpace
-from flowabs_nodes.errors import FlowabsError, InternalError
+from flowabs_nodes.errors import FlowabsError, InternalError, unforeseen
 from flowabs_nodes.filters.compositing import inked
 from flowabs_nodes.finishing.fused import quantized
 from flowabs_nodes.finishing.operations import Ink, OnRows, Operation, Quantize
@@ -54,10 +54,10 @@ def _done(operation: Operation, rows: Array, first: int, colorspace: ColorSpace)
         return _changed(operation, rows, first)
     except FlowabsError as error:
         raise error.at(node=operation.node or None)  # noqa: B904 - the same error, with its place
-    except MemoryError:
+    except (MemoryError, KeyboardInterrupt):
         raise
-    except Exception as error:  # or the node that asks for the pixels would be blamed
-        raise InternalError(f"{type(error).__name__}: {error}", node=operation.node or None) from error
+    except BaseException as error:  # or the node that asks for the pixels would be blamed
+        raise unforeseen(error).at(node=operation.node or None) from error
 
 
 def _changed(operation: OnRows, rows: Array, first: int) -> Array:

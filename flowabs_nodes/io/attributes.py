@@ -127,7 +127,10 @@ def to_exr(name: str, kind: str, value: Any) -> tuple[str, Any] | None:
     ``kind`` is OpenImageIO's type, such as "float[8]"; "" leaves the type to the value.
     """
     name = EXR_NAMES.get(name, name)
-    if len(name.encode("utf-8", "replace")) > 255:
+    try:
+        if len(name.encode("utf-8")) > 255:
+            return None
+    except UnicodeEncodeError:  # OpenImageIO has surrogates in a name that is no UTF-8
         return None
     base = kind.split("[")[0]
     if isinstance(value, str):

@@ -15,6 +15,7 @@ from flowabs_nodes.errors import WriteError
 from flowabs_nodes.io import file_lock
 from flowabs_nodes.io.claim_files import UNKNOWN, ClaimFile, Writer, claim_path, look, new_writer, temporary_path
 from flowabs_nodes.io.claim_watch import ClaimWatch
+from flowabs_nodes.io.confined import held_folder
 from flowabs_nodes.io.file_lock import NOWHERE, reach
 from flowabs_nodes.io.heartbeat import HEARTBEAT
 from flowabs_nodes.io.write_failure import check_replaceable, failure
@@ -38,10 +39,14 @@ class ClaimedError(WriteError):
 
 
 class Claim:
-    """The right to write one file: ``temporary`` is where its bytes go first."""
+    """The right to write one file: ``temporary`` is where its bytes go first.
 
-    def __init__(self, final: Path, writer: Writer, guard: ClaimFile, temporary: ClaimFile) -> None:
+    ``place`` leads to where ``final`` is: in a folder that is held, the same one wherever the name leads by now.
+    """
+
+    def __init__(self, final: Path, place: Path, writer: Writer, guard: ClaimFile, temporary: ClaimFile) -> None:
         self.final = final
+        self._place = place
         self.writer = writer
         self._guard = guard
         self._temporary = temporary
@@ -81,8 +86,8 @@ class Claim:
         HEARTBEAT.remove(self._temporary)  # its time is the frame's from now on
         if file_lock.fcntl is None:  # Windows renames no file that is open
             self._temporary.close()
-        os.replace(self.temporary, self.final)
-        _sync_folder(self.final.parent)
+        os.replace(self.temporary, self._place)
+        _sync_folder(self._place.parent)
 
     def remove_files(self) -> None:
         """Remove what it has on disk, and nothing else: no lock is asked for."""
@@ -103,26 +108,29 @@ class Claim:
 
 
 @contextmanager
-def claim(path: str | os.PathLike[str], watch: ClaimWatch | None = None) -> Iterator[Claim]:
+def claim(path: str | os.PathLike[str], watch: ClaimWatch | None = None, root: Path | None = None) -> Iterator[Claim]:
     """Claim the file ``path``, and make its folder. The temporary is removed at the end unless it has been published.
 
     ``watch`` knows what its run has seen of other runs' claims; without one only a lock can show that a claim is dead.
+    Within ``root`` the folder is held until the end (:func:`~flowabs_nodes.io.confined.held_folder`).
 
-    Raises ClaimedError where somebody else is writing it, WriteError where its folder cannot be written.
+    Raises ClaimedError where somebody else is writing it, WriteError where its folder cannot be written, CommandError
+    where it is not within ``root``.
     """
     final = Path(path)
-    try:
-        final.parent.mkdir(parents=True, exist_ok=True)
-        check_replaceable(final)
-        taken = _take(final, watch or ClaimWatch())
-    except OSError as error:
-        raise failure(error, final) from error
-    _held.append(taken)
-    try:
-        yield taken
-    finally:
-        _held.remove(taken)
-        taken.release()
+    with ExitStack() as held:
+        try:
+            place = held.enter_context(held_folder(final.parent, root)) / final.name
+            check_replaceable(place)
+            taken = _take(final, place, watch or ClaimWatch())
+        except OSError as error:
+            raise failure(error, final) from error
+        _held.append(taken)
+        try:
+            yield taken
+        finally:
+            _held.remove(taken)
+            taken.release()
 
 
 def _remove_files() -> None:
@@ -134,34 +142,34 @@ def _remove_files() -> None:
 before_the_end.append(_remove_files)
 
 
-def _take(final: Path, watch: ClaimWatch) -> Claim:
+def _take(final: Path, place: Path, watch: ClaimWatch) -> Claim:
     """Make a claim. Raises ClaimedError where a living writer has one, OSError where the folder cannot be written."""
     for _ in range(_ATTEMPTS):
         if writer := watch.writer_of(final):
             raise ClaimedError(final, writer)
         try:
-            return _made(final)
+            return _made(final, place)
         except FileExistsError:  # somebody was faster
             continue
     raise ClaimedError(final, UNKNOWN)
 
 
-def _made(final: Path) -> Claim:
-    """Make both files of a claim. Raises FileExistsError where there is one, OSError."""
+def _made(final: Path, place: Path) -> Claim:
+    """Make both files of a claim at ``place``. Raises FileExistsError where there is one, OSError."""
     with ExitStack() as undo:
-        guard = ClaimFile(temporary_path(final, new_writer(reach(final.parent))))
+        guard = ClaimFile(temporary_path(place, new_writer(reach(place.parent))))
         undo.callback(guard.remove)
         told = guard.locked and file_lock.is_locked(guard.path)
-        writer = new_writer(reach(final.parent) if told else NOWHERE)
+        writer = new_writer(reach(place.parent) if told else NOWHERE)
         guard.write(f"{writer.host} {writer.token} {writer.pid}\n".encode("ascii"))
         # Only now: of a claim that does not say whose it is nobody could tell that it is dead.
-        guard.rename_new(claim_path(final))
-        temporary = ClaimFile(temporary_path(final, writer))
+        guard.rename_new(claim_path(place))
+        temporary = ClaimFile(temporary_path(place, writer))
         undo.callback(temporary.remove)
         for file in (guard, temporary):
             HEARTBEAT.add(file)
             undo.callback(HEARTBEAT.remove, file)
-        taken = Claim(final, writer, guard, temporary)
+        taken = Claim(final, place, writer, guard, temporary)
         undo.pop_all()
         return taken
 

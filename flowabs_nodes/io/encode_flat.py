@@ -183,6 +183,8 @@ def _header(
             spec.attribute(name, stamp)
     if format.compression:
         spec.attribute("compression", format.compression)
+    if spec.getattribute("DateTime") is None:
+        spec.attribute("DateTime", "")  # else a TIFF gets the time of day, and no two runs write the same bytes
     color_tags.tag(spec, encoding)
     shown_by = picture.shown_by if picture.image.type == "color" else None
     if shown_by is not None and encoding is None:
@@ -197,7 +199,13 @@ def _header(
 def _keeps_profile(picture: Picture, data_type: str, encoding: str | Encoding | None) -> bool:
     """Return whether the plate's ICC profile, which describes the plate's codes, is true of those that are written."""
     profile = picture.image.spec.getattribute("ICCProfile")
-    if profile is None or picture.image.type != "color" or picture.colorspace != "plate" or picture.shown_by:
+    if (
+        profile is None
+        or isinstance(profile, str | int | float)
+        or picture.image.type != "color"
+        or picture.colorspace != "plate"
+        or picture.shown_by
+    ):
         return False
     plate = _plate_colors(picture, data_type)
     if plate is None or plate.encoding != encoding or plate.space != picture.image.colorspace:

@@ -17,8 +17,10 @@ from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.image import Image, Window
 from flowabs_nodes.io import attributes, formats
 from flowabs_nodes.io.color_tags import misread
+from flowabs_nodes.io.exr_attributes import stored_header
 from flowabs_nodes.io.formats.exr import EXR
 from flowabs_nodes.io.image_file import open_picture
+from flowabs_nodes.io.layers import few
 from flowabs_nodes.io.settings import Settings
 from flowabs_nodes.io.views import read_view, views_of, views_there
 
@@ -35,6 +37,7 @@ _ENCODING = (
     "preview",
     "tiles",
     "type",
+    "version",
     "zipCompressionLevel",
 )
 #: Attributes of a photograph that say how large to print it.
@@ -65,20 +68,18 @@ def exr_header(image: Image, settings: Settings, warn: Callable[[str], None]) ->
     return header
 
 
-def header_of_part(path: str, part: int) -> dict[str, Any]:
-    """Return a part's own header, without what describes the encoding.
+def header_of_part(path: str, part: int, warn: Callable[[str], None]) -> dict[str, Any]:
+    """Return a part's own header, without what describes the encoding. ``warn`` is told what cannot be written again.
 
-    Only for a file that OpenImageIO has opened: the OpenEXR module may take gigabytes for a hostile one.
+    Raises ReadError where the file has no such part.
     """
-    parts = OpenEXR.File(path, separate_channels=True, header_only=True).parts
-    header = {
-        name: value
-        for name, value in parts[part].header.items()
-        if name not in _ENCODING and not name.startswith("flowabs:")
-    }
-    for name in ("dataWindow", "displayWindow"):
-        header[name] = parts[part].header[name]
-    return header
+    header, left_out = stored_header(path, part)
+    if left_out:
+        warn(f"attributes of the plate that cannot be written again are left out: {few(left_out)}")
+    windows = {name: header[name] for name in ("dataWindow", "displayWindow")}
+    return {
+        name: value for name, value in header.items() if name not in _ENCODING and not name.startswith("flowabs:")
+    } | windows
 
 
 def set_views(header: dict[str, Any], image: Image, channels: Iterable[str], settings: Settings) -> None:
@@ -137,8 +138,8 @@ def _plate(image: Image, settings: Settings, warn: Callable[[str], None]) -> tup
     try:
         with open_picture(origin.file, settings) as file:
             theirs = attributes.values(file.specs[origin.part])
-        return theirs, header_of_part(origin.file, origin.part)
-    except (FlowabsError, IndexError, RuntimeError, ValueError) as error:  # ValueError: text that is no UTF-8
+            return theirs, header_of_part(file.place, origin.part, warn)
+    except (FlowabsError, IndexError) as error:
         warn(f"the plate's header cannot be copied word for word ({error}): its known attributes are written")
         return {}, {}
 

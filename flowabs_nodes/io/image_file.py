@@ -9,15 +9,16 @@ from __future__ import annotations
 import itertools
 import os
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio
 
-from flowabs_nodes.errors import ReadError
+from flowabs_nodes.errors import FlowabsError, ReadError
 from flowabs_nodes.io import formats
+from flowabs_nodes.io.confined import held_file
 from flowabs_nodes.io.formats import Format
 from flowabs_nodes.io.limits import MAX_PARTS, check_readable, too_large
 from flowabs_nodes.io.oiio_error import reason
@@ -31,6 +32,8 @@ class PictureFile(Protocol):
     path: str
     format: Format
     specs: tuple[oiio.ImageSpec, ...]
+    #: A path that leads to the very file while it is open, even where its own leads elsewhere by now.
+    place: str
 
     def read(self, part: int, channels: Sequence[str]) -> npt.NDArray[np.float32]:
         """Return (H, W, C) float32 of these channels, in this order; whole numbers as ``format.integers`` says."""
@@ -43,16 +46,42 @@ class PictureFile(Protocol):
 
 @contextmanager
 def open_picture(path: str | os.PathLike[str], settings: Settings) -> Iterator[PictureFile]:
-    """Open a file whose content is what its name says. Raises ReadError, before memory is taken for any pixel."""
+    """Open a file whose content is what its name says. Raises ReadError, before memory is taken for any pixel.
+
+    Raises CommandError for a file outside of ``settings.root``.
+    """
     name = os.fspath(path)
-    format = formats.to_read(name)
+    with ExitStack() as held:
+        try:
+            place = held.enter_context(held_file(name, settings.root))
+        except FileNotFoundError:
+            raise ReadError("no such file", code="missing-file", file=name) from None
+        except OSError as error:
+            raise ReadError(f"cannot be read: {error.strerror or error}", file=name) from error
+        try:
+            with _opened(name, place, settings) as file:
+                yield file
+        except FlowabsError as error:
+            if error.file == place:
+                error.file = name
+            error.message = error.message.replace(place, name)
+            raise
+
+
+@contextmanager
+def _opened(name: str, place: str, settings: Settings) -> Iterator[PictureFile]:
+    """Open the file at ``place``, which is called ``name``; errors may call it either."""
+    format = formats.to_read(name, place)
     config = oiio.ImageSpec()
     config.attribute("oiio:UnassociatedAlpha", 1)  # code values must not be multiplied by alpha before they are linear
-    source = oiio.ImageInput.open(name, config)
+    source = oiio.ImageInput.open(place, config)
     if source is None:
         problem = reason(oiio)
+        if place != name:  # which has no extension: without it OpenImageIO does not say what is wrong
+            oiio.ImageInput.open(name, config)
+            problem = reason(oiio) or problem
         if reader := format.reader((), problem):
-            yield formats.load(reader)(name, format, settings)
+            yield formats.load(reader)(name, place, format, settings)
             return
         raise ReadError(problem or "damaged, or not a picture", file=name)
     try:
@@ -66,12 +95,12 @@ def open_picture(path: str | os.PathLike[str], settings: Settings) -> Iterator[P
         reason(source)  # the last seek was one too far
         if not specs:
             raise ReadError("damaged: no picture in the file", file=name)
-        format.check(name)
-        format.complete(name, specs[0])
+        format.check(place)
+        format.complete(place, specs[0])
         if reader := format.reader(specs, ""):
-            yield formats.load(reader)(name, format, settings)
+            yield formats.load(reader)(name, place, format, settings)
         else:
-            yield _OiioFile(name, format, tuple(specs), source, settings)
+            yield _OiioFile(name, place, format, tuple(specs), source, settings)
     finally:
         source.close()
 
@@ -103,8 +132,11 @@ class _Run(NamedTuple):
 class _OiioFile:
     """A file that OpenImageIO has open as ``source``."""
 
-    def __init__(self, path: str, format: Format, specs: tuple[Any, ...], source: Any, settings: Settings) -> None:
+    def __init__(
+        self, path: str, place: str, format: Format, specs: tuple[Any, ...], source: Any, settings: Settings
+    ) -> None:
         self.path = path
+        self.place = place
         self.format = format
         self.specs = specs
         self._source = source
@@ -165,6 +197,6 @@ class _OiioFile:
             raise ReadError(
                 f"damaged or cut short: {problem or 'its pixels cannot be decoded'}", code="damaged", file=self.path
             )
-        check_other_parts(self._source, self.path, self.specs, part, self._settings)
+        check_other_parts(self.place, self.specs, part, self._settings)
         spec = self.specs[part]
         return np.asarray(pixels).reshape(spec.height, spec.width, run.end - run.begin)

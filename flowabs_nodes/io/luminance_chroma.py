@@ -37,8 +37,9 @@ class LuminanceChromaFile:
     damaged, the picture too large, or another channel is there.
     """
 
-    def __init__(self, path: str, format: Format, settings: Settings) -> None:
+    def __init__(self, path: str, place: str, format: Format, settings: Settings) -> None:
         self.path = path
+        self.place = place
         self.format = format
         self._settings = settings
         header, channels = self._open(header_only=True)
@@ -54,9 +55,10 @@ class LuminanceChromaFile:
         spec.full_x, spec.full_y = int(full_low[0]), int(full_low[1])
         spec.full_width, spec.full_height = (int(b - a) + 1 for a, b in zip(full_low, full_high, strict=True))
         attributes.to_spec(header, spec)
-        spec.attribute("compression", header["compression"].name.split("_")[0].lower())
+        compression = header["compression"].name.removesuffix("_COMPRESSION").lower()
+        spec.attribute("compression", "none" if compression == "no" else compression)
         check_readable(path, spec, 4, settings)
-        if spec.width * spec.height * 2 > _SHRINKS_AT_MOST * os.path.getsize(path):
+        if spec.width * spec.height * 2 > _SHRINKS_AT_MOST * os.path.getsize(place):
             raise self._error(f"{spec.width}x{spec.height} pixels cannot be in a file this small")
         self.specs: tuple[oiio.ImageSpec, ...] = (spec,)
 
@@ -84,13 +86,14 @@ class LuminanceChromaFile:
         """Return the header, and the channels by name; without pixels for ``header_only``. Raises ReadError."""
         try:
             with contextlib.redirect_stdout(io.StringIO()):  # it prints its warnings there
-                file = OpenEXR.File(self.path, separate_channels=True, header_only=header_only)
+                file = OpenEXR.File(self.place, separate_channels=True, header_only=header_only)
             if len(file.parts) != 1:  # none: it could not decode the pixels, and only warned
                 raise self._error("damaged or cut short" if not file.parts else "several parts of subsampled channels")
             header = dict(file.parts[0].header)
             channels = header["channels"] if header_only else file.parts[0].channels.values()
             return header, {channel.name: channel for channel in channels}
-        except (RuntimeError, ValueError, KeyError) as error:  # ValueError: a header that is no UTF-8, too
+        except (RuntimeError, ValueError, KeyError, ArithmeticError) as error:
+            # ValueError: a header that is no UTF-8, too; ArithmeticError: a rate of 24/0
             raise self._error(f"damaged: {error}") from None
 
     def _full(self, channel: Any, name: str) -> Array:

@@ -14,6 +14,7 @@ import OpenImageIO as oiio
 from flowabs_nodes.errors import FlowabsError, WriteError, nearest
 from flowabs_nodes.image import Image, Origin
 from flowabs_nodes.io import formats
+from flowabs_nodes.io.exr_attributes import readable
 from flowabs_nodes.io.exr_header import header_of_part
 from flowabs_nodes.io.image_file import PictureFile, open_picture
 from flowabs_nodes.io.layers import layer_of, part_name
@@ -60,10 +61,15 @@ def passthrough_layers(picture: Picture, warn: Callable[[str], None]) -> Passthr
             mine = {name: moved(plane, data, picture.image.data_window) for name, plane in mine.items()}
         parts = []
         for part, channels in chosen.items():
-            header = header_of_part(origin.file, part)
+            header = header_of_part(file.place, part, warn)
             header["compression"] = file.specs[part].get_string_attribute("compression")
-            parts.append((header, file.read_native(part, channels)))
-    return Passthrough(mine, tuple(parts))
+            parts.append((header, _named(file.read_native(part, channels))))
+    return Passthrough(_named(mine), tuple(parts))
+
+
+def _named(planes: Planes) -> Planes:
+    """Return channels under names that can be written: one that is no UTF-8 is taken for Latin-1."""
+    return {readable(name.encode("utf-8", "surrogateescape")): plane for name, plane in planes.items()}
 
 
 def layers_left_out(image: Image, layers: Mapping[str, Image], settings: Settings) -> tuple[str, ...]:

@@ -43,12 +43,14 @@ def checked(path: str | os.PathLike[str], settings: Settings) -> Path:
         raise CommandError(f"{name!r} is an address, not a file", code="bad-path", hint="give a path on this machine")
     refuse_shell_words(name)
     if settings.root is not None and not within(name, settings.root):
-        raise CommandError(
-            f"outside {os.fspath(settings.root)}, the folder this run may read and write",
-            code="outside-root",
-            file=name,
-        )
+        raise outside_root(name, settings.root)
     return Path(name)
+
+
+def outside_root(name: str, root: Path) -> CommandError:
+    """Return the error of a path that leads out of ``root``."""
+    what = f"outside {os.fspath(root)}, the folder this run may read and write"
+    return CommandError(what, code="outside-root", file=name)
 
 
 #: What a shell expands, or another system understands, in the name of a file; each with what to write instead.

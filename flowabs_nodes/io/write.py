@@ -43,10 +43,11 @@ def save(
     Raises ClaimedError where somebody else is writing the file, CommandError for a path outside ``settings.root``,
     WriteError for all else. After an error no temporary is left, and ``path`` is as it was before.
     """
-    name = checked(path, settings or picture.settings)
+    settings = settings or picture.settings
+    name = checked(path, settings)
     try:
         format = formats.to_write(name)
-        with nullcontext(claimed) if claimed else claim(name) as held:
+        with nullcontext(claimed) if claimed else claim(name, root=settings.root) as held:
             known = {KEY: key, GRAPH: graph, SCALE: "" if scale is None else repr(float(scale))}
             _write(picture, format, held, {stamp: text for stamp, text in known.items() if text}, warn)
     except FlowabsError as error:

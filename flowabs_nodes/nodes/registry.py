@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
-import signal
 from collections.abc import Iterable
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
@@ -19,6 +18,7 @@ from types import MappingProxyType
 from flowabs_nodes.errors import ArgumentError, nearest
 from flowabs_nodes.image import PORT_TYPES
 from flowabs_nodes.nodes.declare import Node
+from flowabs_nodes.signals import asks_to_stop
 
 GROUP = "flowabs.nodes"
 
@@ -66,8 +66,8 @@ def _load() -> tuple[MappingProxyType[str, Node], MappingProxyType[str, str]]:
         try:
             added = _load_nodes(point)
         except BaseException as error:  # another package may fail in any way when it is imported, by sys.exit too
-            if isinstance(error, KeyboardInterrupt) and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-                raise  # somebody pressed Ctrl-C
+            if isinstance(error, KeyboardInterrupt) and asks_to_stop(error):
+                raise
             problems[where] = f"{type(error).__name__}: {error}"
             continue
         wrong = [fault for node in added for fault in faults(node)]

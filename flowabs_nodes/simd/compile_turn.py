@@ -1,7 +1,8 @@
 """Taking turns: of several processes that need the same kernel, one compiles it and the others wait for its file.
 
 The turn is a lock of the operating system on an empty file, which goes with the process that holds it, however that
-ends. Where there are no such locks, or somebody holds one for too long, everybody compiles: slower, and as right.
+ends; a child that it forks meanwhile has no turn. Where there are no such locks, or somebody holds one for too long,
+everybody compiles: slower, and as right.
 """
 
 from __future__ import annotations
@@ -21,6 +22,9 @@ _STEP = 0.01  # seconds between two looks at a lock
 
 _system: Any = importlib.import_module("msvcrt" if sys.platform == "win32" else "fcntl")
 _held: dict[Path, int] = {}  # file descriptors of this process's turns
+
+
+stopping.may_be_broken_off.append(lambda: bool(_held))
 
 
 def take(file: Path) -> None:
@@ -48,7 +52,21 @@ def give(file: Path) -> None:
     """Let the next one have the turn, if this process has it."""
     fd = _held.pop(file, None)
     if fd is not None:
+        if sys.platform != "win32":
+            with suppress(OSError):
+                _system.flock(fd, _system.LOCK_UN)  # to close it is not enough where a fork has a copy of it
         os.close(fd)
+
+
+def _give_up() -> None:
+    """Close the files of the turns that are the parent's, which stay locked, in a child that it forked."""
+    while _held:
+        with suppress(OSError):
+            os.close(_held.popitem()[1])
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_give_up)
 
 
 def _lock(fd: int) -> bool:

@@ -22,9 +22,11 @@ from typing import Any
 
 from numba import config, njit
 
-from flowabs_nodes import stopping
+from flowabs_nodes import forks, stopping
 from flowabs_nodes.simd import cache_folder, compile_hooks, compile_turn, numba_internals
 from flowabs_nodes.simd.kernel_version import PACKAGE, source_times
+
+forks.take_before(*numba_internals.compiler_locks())
 
 
 def kept(function: Callable[..., Any], **options: Any) -> Any:

@@ -18,6 +18,21 @@ except (ImportError, AttributeError):
     _complete = False
 
 
+_locks: tuple[Any, ...]
+try:
+    from llvmlite.binding.ffi import lib as _llvm  # type: ignore[import-untyped]
+    from numba.core.compiler_lock import global_compiler_lock
+
+    _locks = (global_compiler_lock._lock, _llvm._lock._lock)
+except (ImportError, AttributeError):
+    _locks = ()
+
+
+def compiler_locks() -> tuple[Any, ...]:
+    """Return the locks that are held while anything is compiled or loaded, in the order in which they are taken."""
+    return _locks
+
+
 def available(dispatcher: Any) -> bool:
     """Return whether this numba has every name that this file uses."""
     return _complete and hasattr(dispatcher, "_cache") and hasattr(dispatcher.targetctx.codegen(), "magic_tuple")

@@ -36,6 +36,9 @@ def job_template(graph: str, options: RunOptions, *, chunk: int = 10) -> dict[st
     GraphError, CommandError, ColorError
         What a run raises before its first frame; CommandError too where a word cannot be said in a template.
     """
+    if options.scheduler is not None:
+        text = "--scheduler is for a run: the tasks of a job are rendered by the machines that the farm gives them to"
+        raise CommandError(text, code="bad-value", hint="leave it out", parameter="scheduler")
     loaded = load_graph(graph)
     if options.set:
         loaded = loaded.with_set(options.set)

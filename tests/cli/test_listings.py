@@ -92,6 +92,8 @@ def test_graphs_for_programs(flowabs):
     assert one["knobs"][0] == {
         "name": "line_width",
         "type": "float",
+        "label": "Line width",
+        "group": "Lines",
         "default": 1.0,
         "min": 0.5,
         "max": 2.5,

@@ -70,3 +70,9 @@ def test_a_profile_is_of_a_whole_run(run):  # noqa: F811
     code, _, err = run("-i", "in.1001.exr", "--view", "plate", "-o", "look.png", "--profile")
     assert code == 2
     assert "are of a whole run" in err
+
+
+def test_one_picture_goes_to_no_scheduler(run):  # noqa: F811
+    code, _, err = run("-i", "in.1001.exr", "--view", "plate", "-o", "look.png", "--scheduler", "local")
+    assert code == 2
+    assert "does not go with --scheduler" in err

@@ -15,6 +15,7 @@ from flowabs_nodes.errors import CommandError, WriteError
 from flowabs_nodes.io.settings import Settings
 from flowabs_nodes.nodes.declare import Param
 from flowabs_nodes.signals import stop_on_signals
+from flowabs_nodes.stopping import Stopped
 from tests.engine.sequences import (
     document,
     graph_around,
@@ -175,10 +176,21 @@ def test_a_full_disk_stops_the_run(shot, out, monkeypatch):
 
 def test_an_interrupt_ends_the_run_in_good_order(shot, out, tmp_path):
     events = []
-    report = run(shot, out, raising(KeyboardInterrupt()), on_event=events.append)
+    report = run(shot, out, raising(Stopped()), on_event=events.append)
     assert statuses(report) == [(1, "done")]
     assert report.exit_code == 130
     assert events[-1]["exit_code"] == 130
+    assert not leftovers(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "error", [SystemExit(0), SystemExit("done"), GeneratorExit(), KeyboardInterrupt(), BaseException("no")]
+)
+def test_a_node_that_wants_to_end_the_process_costs_its_frame_alone(shot, out, tmp_path, error):
+    report = run(shot, out, raising(error))
+    assert statuses(report) == [(1, "done"), (2, "failed"), (3, "done")]
+    assert report.exit_code == 1
+    assert "node bright: it tried to end the whole process" in str(report.frames[1].error)
     assert not leftovers(tmp_path)
 
 

@@ -331,7 +331,7 @@ def test_a_run_ends_when_it_is_cancelled_though_its_work_goes_on(held):
 
 
 def test_a_run_that_waits_for_its_turn_is_cancelled_too(held):
-    session, inside, go_on, ran = held
+    session, inside, _go_on, ran = held
     thread = cancel_when(session, inside)
     with pytest.raises(Cancelled):
         session.run()
@@ -385,7 +385,7 @@ def test_a_kernel_stops_between_two_bands():
 
 
 def test_a_closed_session_holds_nothing_and_runs_nothing(held):
-    session, inside, go_on, ran = held
+    session, inside, _go_on, _ran = held
     thread = threading.Thread(target=lambda: inside.wait(60) and session.close())
     thread.start()
     with pytest.raises(Cancelled):
@@ -426,7 +426,7 @@ def test_runs_of_one_session_take_turns_and_sessions_do_not_mix(ran):
 def test_ctrl_c_ends_the_run(held):
     import _thread
 
-    session, inside, go_on, ran = held
+    session, inside, _go_on, _ran = held
     threading.Thread(target=lambda: inside.wait(60) and _thread.interrupt_main()).start()
     with pytest.raises(KeyboardInterrupt):
         session.run()

@@ -184,10 +184,10 @@ def test_what_another_run_finished_in_between_is_not_made_twice(shot, out, tmp_p
     data = made_elsewhere(shot, tmp_path, 1)
     from flowabs_nodes.engine import render_frame as module
 
-    def late(path, watch):
+    def late(path, watch, root):
         Path(path).parent.mkdir(exist_ok=True)
         Path(path).write_bytes(data)
-        return claim(path, watch)
+        return claim(path, watch, root)
 
     monkeypatch.setattr(module, "claim", late)
     report = run(shot, out, frames=1)

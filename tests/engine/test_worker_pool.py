@@ -145,7 +145,7 @@ def test_the_first_frame_is_rendered_alone_and_measured(job):
     here = pool(job, peak=0)
     generator = here.render(FRAMES)
     next(generator)
-    assert here._peak > 10**7
+    assert here.peak > 10**7
     assert len(here._workers) == 2
     assert len(list(generator)) == len(FRAMES) - 1
 
@@ -182,4 +182,4 @@ def test_frames_that_nobody_has_begun_can_be_dropped(job):
 def test_what_a_worker_reports_is_its_own_peak(job):
     here = pool(job, peak=0, jobs=1)
     list(here.render([1]))
-    assert 10**7 < here._peak < 4 * 10**9
+    assert 10**7 < here.peak < 4 * 10**9

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import threading
 
 import numpy as np
@@ -110,6 +111,7 @@ def test_pixels_are_copied_for_the_function() -> None:
         (lambda rows, first_row: rows.astype(complex), "it returned complex128"),
         (lambda rows, first_row: rows * np.float32(2), "must leave alpha as it is"),
         (lambda rows, first_row: 1 / 0, "ZeroDivisionError: division by zero"),
+        (lambda rows, first_row: sys.exit(3), "tried to end the whole process .SystemExit: 3"),
     ],
 )
 def test_a_bad_function_is_its_node_s_fault(function: RowsFunction, words: str) -> None:

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from flowabs_nodes import graph
+from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.nodes.declare import Node, Param, Port
 from tests.graph.fakes import CATALOGUE
 
@@ -54,3 +55,17 @@ def test_a_knob_counts_where_it_stands(stands, found):
 
 def test_a_node_that_needs_all_is_not_asked():
     assert replace(PICK, needs=None).needed(("left",), {}) == ("left",)
+
+
+@pytest.mark.parametrize("error", [ZeroDivisionError("no"), SystemExit(2), FlowabsError("no")])
+def test_a_node_that_cannot_say_is_named(error):
+    def fail(params):
+        raise error
+
+    document = {
+        "format": "flowabs.graph/1",
+        "nodes": {"plate": {"type": "read@1"}, "one": {"type": "pick@1", "inputs": {"left": "plate"}}},
+    }
+    with pytest.raises(FlowabsError) as failure:
+        graph.check(document, NODES | {"pick": replace(PICK, needs=fail)})
+    assert failure.value.node == "one"

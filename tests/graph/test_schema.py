@@ -91,7 +91,7 @@ BAD = [
     (("interface", "a b"), {"type": "bool", "default": True}),
     (("interface", "calm", "type"), "number"),
     (("interface", "calm", "default"), "much"),
-    (("interface", "calm", "label"), "Calm"),
+    (("interface", "calm", "lable"), "Calm"),
     (("interface", "calm", "choices"), ["a"]),
     (("interface", "passes", "default"), 1.5),
     (("interface", "how", "choices"), []),

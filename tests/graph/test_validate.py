@@ -400,13 +400,26 @@ def test_whole_numbers_are_whole_in_curves_and_maps_too():
         ({"type": "enum", "default": "a", "choices": ["a", "a"]}, "bad-value", "/choices"),
         ({"type": "enum", "default": "c", "choices": ["a", "b"]}, "bad-value", "/default"),
         ({"type": "color", "default": [0, 0]}, "wrong-type", "/default"),
-        ({"type": "float", "default": 1, "label": "Width"}, "unknown-key", "/label"),
+        ({"type": "float", "default": 1, "lable": "Width"}, "unknown-key", "/lable"),
         ({"type": "float", "default": 1, "help": 1}, "wrong-type", "/help"),
     ],
 )
 def test_a_knob(knob, code, pointer):
     source = with_params(radius={"from": "knob"}) | {"interface": {"knob": knob}}
     assert found(source) == [(code, "/interface/knob" + pointer)]
+
+
+def test_what_a_panel_shows_of_a_knob():
+    def param(**about):
+        knobs = {"line_width": {"type": "float", "default": 2} | about}
+        source = with_params(radius={"from": "line_width"}) | {"interface": knobs}
+        return graph.load(source, CATALOGUE).interface["line_width"].param
+
+    assert (param().label, param().group) == ("Line width", "")
+    assert (param(label="Ink", group="Lines").label, param(label="Ink", group="Lines").group) == ("Ink", "Lines")
+    for key in ("label", "group"):
+        wrong = {"interface": {"knob": {"type": "float", "default": 2, key: 3}}}
+        assert found(with_params(radius={"from": "knob"}) | wrong) == [("wrong-type", f"/interface/knob/{key}")]
 
 
 @pytest.mark.parametrize(

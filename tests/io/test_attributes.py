@@ -60,6 +60,7 @@ def test_what_exr_cannot_say() -> None:
     assert to_exr("x" * 300, "string", "text") is None
     assert to_exr("big", "int64", 2**40) == ("big", str(2**40))
     assert to_exr("bad", "string", "\udcff") == ("bad", "?")
+    assert to_exr("b\udcffd", "string", "text") is None
     name, pair = to_exr("rate", "rational", (24, 0))  # no fraction: kept as two numbers
     assert (name, list(pair)) == ("rate", [24, 0])
     assert to_exr("none", "string[0]", ()) is None

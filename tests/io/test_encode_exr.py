@@ -1,4 +1,4 @@
-"""What goes into an EXR: pixels, data types, compression, colour tags, and everything the plate's header says."""
+"""What goes into an EXR: layers, data types, NaN and overflow, compression. What stays as it was: test_fidelity.py."""
 
 from __future__ import annotations
 
@@ -11,11 +11,10 @@ import OpenImageIO as oiio
 import pytest
 
 from flowabs_nodes.errors import WriteError
-from flowabs_nodes.image import Image, Window
+from flowabs_nodes.image import Image
 from flowabs_nodes.io.read import read_data, read_image
 from flowabs_nodes.testing.pictures import make_input
 from tests.io.files import (
-    attributes,
     box,
     colors,
     exr,
@@ -29,26 +28,6 @@ from tests.io.files import (
 )
 
 AP0 = (0.7347, 0.2653, 0.0, 1.0, 0.0001, -0.077, 0.32168, 0.33767)
-
-
-def test_pixels_come_back_bit_for_bit(tmp_path: Path) -> None:
-    plate = windowed(tmp_path / "plate.exr")
-    out, _ = written(read_image(plate), tmp_path / "out.exr")
-    before, after = native(plate), native(out)
-    assert set(before) == set(after)
-    assert all(same_bits(before[name], after[name]) for name in before)
-    image = read_image(out)
-    assert image.data_window == Window(3, -2, 32, 24)
-    assert image.display_window == Window(-5, 0, 40, 30)
-
-
-def test_tiled_multipart_and_mipmapped_plates_become_scanlines(tmp_path: Path) -> None:
-    tiles = OpenEXR.TileDescription()
-    tiles.xSize = tiles.ySize = 16
-    plate = exr(tmp_path / "t.exr", planes(colors()), type=OpenEXR.tiledimage, tiles=tiles, owner="me")
-    out, _ = written(read_image(plate), tmp_path / "out.exr")
-    assert attributes(out) == attributes(plate)
-    assert oiio.ImageInput.open(str(out)).spec().tile_width == 0
 
 
 # ---------------------------------------------------------------------- channels and data types
@@ -209,28 +188,6 @@ def test_nan_in_a_pass_stays_and_is_told(tmp_path: Path) -> None:
 # ---------------------------------------------------------------------- compression
 
 
-@pytest.mark.parametrize(
-    ("plate", "dtype", "expected"),
-    [
-        ("PIZ", np.float16, "piz"),
-        ("ZIPS", np.float32, "zips"),
-        ("NO", np.float16, "none"),
-        ("PXR24", np.float16, "pxr24"),
-        ("PXR24", np.float32, "zip"),  # it keeps 24 of the 32 bits
-        ("DWAA", np.float16, "zip"),
-        ("B44", np.float16, "zip"),
-    ],
-)
-def test_auto_compression_is_the_plates_where_it_loses_nothing(
-    tmp_path: Path, plate: str, dtype: Any, expected: str
-) -> None:
-    compression = getattr(OpenEXR, f"{plate}_COMPRESSION")
-    image = read_image(exr(tmp_path / "plate.exr", planes(colors(dtype=dtype)), compression=compression))
-    out, warned = written(image, tmp_path / "out.exr")
-    assert oiio.ImageInput.open(str(out)).spec().get_string_attribute("compression") == expected
-    assert not warned
-
-
 def test_lossy_compression_is_for_those_who_ask(tmp_path: Path) -> None:
     image = read_image(windowed(tmp_path / "plate.exr"))
     for compression in ("dwaa", "dwab", "b44", "b44a"):
@@ -239,6 +196,18 @@ def test_lossy_compression_is_for_those_who_ask(tmp_path: Path) -> None:
         assert "changes the picture" in warned[0]
     _, warned = written(image, tmp_path / "out.exr", compression="piz")
     assert not warned
+
+
+def test_dwa_changes_data_layers_too(tmp_path: Path) -> None:
+    """It takes N.Y for luma: a warning says that data are changed, and "auto" never writes it."""
+    noise = np.random.default_rng(1).random((64, 64)).astype(np.float16)
+    data = read_data(exr(tmp_path / "n.exr", {f"N.{axis}": noise for axis in "XYZ"}))
+    image = read_image(exr(tmp_path / "plate.exr", planes(colors(64, 64))))
+    out, warned = written(image, tmp_path / "dwaa.exr", compression="dwaa", layers={"N": data}, data_type="half")
+    assert not same_bits(native(out)["N.Y"], noise)
+    assert "data layers too" in warned[0]
+    out, _ = written(image, tmp_path / "auto.exr", layers={"N": data})
+    assert same_bits(native(out)["N.Y"], noise)
 
 
 # ---------------------------------------------------------------------- alpha and colour

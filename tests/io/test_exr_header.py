@@ -1,4 +1,7 @@
-"""What an EXR's header says: all that the plate's said, what a node changed, and which colours these are."""
+"""What an EXR's header says where a node or a parameter changed it, and which colours these are.
+
+What stays as it was: test_fidelity.py.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +34,7 @@ AP0 = (0.7347, 0.2653, 0.0, 1.0, 0.0001, -0.077, 0.32168, 0.33767)
 
 
 def rich_header() -> dict[str, Any]:
-    """Return attributes of every type that EXR has."""
+    """Return attributes of many types."""
     timecode = OpenEXR.TimeCode(1, 2, 3, 4, 1, 0, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8)
     return {
         "pixelAspectRatio": 2.0,
@@ -58,19 +61,6 @@ def rich_header() -> dict[str, Any]:
         "odd": OpenEXR.OpaqueAttribute(b"\0\1\2\3", "mystery"),
         "wrapmodes": "clamp",
     }
-
-
-def test_everything_in_the_header_stays(tmp_path: Path) -> None:
-    plate = windowed(tmp_path / "plate.exr", **rich_header())
-    image = read_image(plate)
-    out, warned = written(like(image, image.pixels * 2), tmp_path / "out.exr")
-    assert attributes(out) == attributes(plate)
-    before, after = (OpenEXR.File(str(path), header_only=True).header() for path in (plate, out))
-    for name in set(before) - {"channels", "type"}:
-        assert str(after[name]) == str(before[name]), name
-    assert set(after) - set(before) == {"flowabs:key", "flowabs:graph", "flowabs:pixels"}
-    assert b"odd\0mystery\0\4\0\0\0\0\1\2\3" in out.read_bytes()
-    assert not warned
 
 
 def test_nodes_may_change_metadata(tmp_path: Path) -> None:
@@ -111,14 +101,6 @@ def test_an_image_without_a_file_keeps_its_metadata(tmp_path: Path) -> None:
         assert after[name] == before[name], name
 
 
-def test_a_header_that_is_no_utf8(tmp_path: Path) -> None:
-    plate = windowed(tmp_path / "plate.exr", note="abcdef", gain=2.0)
-    plate.write_bytes(plate.read_bytes().replace(b"abcdef", b"abc\xff\xfef"))
-    out, warned = written(read_image(plate), tmp_path / "out.exr")
-    assert "word for word" in warned[0]
-    assert attributes(out)["gain"] == ("float", 2.0)
-
-
 def test_metadata_parameter(tmp_path: Path) -> None:
     image = read_image(windowed(tmp_path / "plate.exr"))
     out, _ = written(
@@ -129,13 +111,6 @@ def test_metadata_parameter(tmp_path: Path) -> None:
     assert found["take"] == ("int", 3)
     assert found["gain"] == ("float", 0.5)
     assert found["a" * 60] == ("string", "long")
-
-
-def test_the_plates_colour_tags_stay(tmp_path: Path) -> None:
-    for header in ({}, {"chromaticities": AP0}, {"colorInteropID": "lin_ap1_scene"}):
-        plate = windowed(tmp_path / "plate.exr", **header)
-        out, _ = written(read_image(plate), tmp_path / "out.exr")
-        assert attributes(out) == attributes(plate)
 
 
 def test_another_colour_space_is_converted_and_tagged(tmp_path: Path) -> None:
@@ -181,10 +156,6 @@ def aces(tmp_path: Path, **changed: Any) -> Path:
 
 def flag(path: Path) -> Any:
     return OpenEXR.File(str(path), header_only=True).header().get("acesImageContainerFlag")
-
-
-def test_an_aces_container_stays_one(tmp_path: Path) -> None:
-    assert flag(written(read_image(aces(tmp_path)), tmp_path / "out.exr")[0]) == 1
 
 
 @pytest.mark.parametrize(

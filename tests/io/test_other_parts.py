@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ from flowabs_nodes.errors import ReadError
 from flowabs_nodes.io import other_parts
 from flowabs_nodes.io.read import read_data, read_image
 from flowabs_nodes.io.settings import Settings
+from flowabs_nodes.simd.bands import limited
 from tests.io.files import colors, parts, planes
 
 
@@ -42,7 +44,20 @@ def test_a_part_is_decoded_once(plate: Path, monkeypatch: pytest.MonkeyPatch) ->
     )
     for part in ("diffuse", "beauty", "specular", "diffuse"):
         read_image(plate, part=part)
-    assert decoded == [0, 2]
+    assert sorted(decoded) == [0, 2]
+
+
+@pytest.mark.parametrize("threads", [1, 8])
+def test_several_parts_are_decoded_at_a_time(plate: Path, threads: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each waits until as many are being decoded as there may be; which part is damaged is told all the same."""
+    together = threading.Barrier(min(threads, 2))
+    plain = other_parts.decodes
+    monkeypatch.setattr(other_parts, "decodes", lambda *arguments: together.wait(20) >= 0 and plain(*arguments))
+    with limited(threads):
+        read_image(plate)
+        plate.write_bytes(plate.read_bytes()[:-10])
+        with pytest.raises(ReadError, match="in the part 'specular'"):
+            read_image(plate)
 
 
 def test_a_part_that_is_too_large_is_not_decoded(plate: Path) -> None:

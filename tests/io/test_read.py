@@ -234,6 +234,15 @@ def test_non_finite_pixels(tmp_path: Path) -> None:
     assert caught.value.file == str(path)
 
 
+def test_a_nan_is_repaired_before_colours_are_converted(tmp_path: Path) -> None:
+    """A matrix would spread it over all channels: those of its pixel are what they are without it."""
+    pixels = np.full((6, 6, 3), (0.5, 0.4, 0.3), np.float32)
+    clean = read_image(exr(tmp_path / "clean.exr", planes(pixels)), colorspace="ARRI LogC4").pixels
+    pixels[2, 3, 1] = np.nan
+    found = read_image(exr(tmp_path / "nan.exr", planes(pixels)), colorspace="ARRI LogC4").pixels
+    np.testing.assert_allclose(found, clean, rtol=1e-5)
+
+
 def test_only_the_channels_that_are_read_are_looked_at(tmp_path: Path) -> None:
     depth = np.full((24, 32), np.inf, np.float32)
     path = exr(tmp_path / "z.exr", planes(colors()) | {"Z": depth})

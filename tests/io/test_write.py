@@ -17,11 +17,10 @@ import pytest
 from flowabs_nodes.errors import CommandError, FlowabsError, WriteError
 from flowabs_nodes.image import Image
 from flowabs_nodes.io import write
+from flowabs_nodes.io.read import read_image
 from flowabs_nodes.io.settings import Settings
 from flowabs_nodes.io.write import Picture, build_picture, is_whole, save, stored_key
-from tests.io.files import (
-    colors,
-)
+from tests.io.files import colors, exr, planes
 
 NAMES = ["out.exr", "out.png", "out.tif"]
 
@@ -185,8 +184,16 @@ def test_an_error_names_the_file(tmp_path: Path) -> None:
     assert os.listdir(tmp_path) == []
 
 
-def test_the_same_bytes_each_time(tmp_path: Path, picture: Picture) -> None:
-    save(picture, tmp_path / "a.exr", key="k")
-    time.sleep(1.1)
-    save(picture, tmp_path / "b.exr", key="k")
-    assert (tmp_path / "a.exr").read_bytes() == (tmp_path / "b.exr").read_bytes()
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("dated", [False, True])
+def test_the_same_bytes_each_time(tmp_path: Path, name: str, dated: bool) -> None:
+    """A file says when its plate was taken, never when it was written."""
+    header = {"capDate": "2004:01:04 18:10:00"} if dated else {}
+    picture = build_picture(read_image(exr(tmp_path / "plate.exr", planes(colors()), **header)))
+    for folder in "ab":
+        save(picture, tmp_path / folder / name, key="k")
+        time.sleep(1.1)
+    made = (tmp_path / "a" / name).read_bytes()
+    assert made == (tmp_path / "b" / name).read_bytes()
+    assert (b"2004:01:04 18:10:00" in made) == dated
+    assert time.strftime("%Y:%m:%d").encode() not in made

@@ -95,6 +95,7 @@ def test_a_file_below_the_folder_is_a_path_and_any_other_is_absolute(here):
         ({"output": "{{x}}.####.exr", "frames": "1-2"}, "reads {{ as an expression"),
         ({"frames": ",".join(str(n * n) for n in range(300))}, "of at most 1024 in a parameter"),
         ({"frames": "1-"}, "is not a frame range"),
+        ({"scheduler": "local"}, "--scheduler is for a run"),
     ],
 )
 def test_what_cannot_be_said_in_a_template(here, options, said):

@@ -18,6 +18,18 @@ import OpenImageIO as oiio
 CHECKOUT = Path(__file__).parents[2]
 PICTURE = CHECKOUT / "docs/pictures/coffee.exr"
 
+#: A run in a process that takes its first argument for the machine's name.
+_ON_A_HOST = """
+import socket, sys
+name = sys.argv.pop(1)
+socket.gethostname = lambda: name
+from flowabs_nodes.cli import run_process
+run_process()
+"""
+
+#: Width and height in pixels.
+Size = tuple[int, int]
+
 
 @dataclass(frozen=True)
 class Shot:
@@ -31,11 +43,14 @@ class Shot:
         """Return the folder that frames are written to."""
         return self.folder / "out"
 
-    def begin(self, *options: str, **environment: str) -> subprocess.Popen[str]:
-        """Begin a run over all frames."""
-        command = [sys.executable, "-m", "flowabs_nodes", "run", "lines", *options]
+    def begin(
+        self, *options: str, graph: str = "lines", host: str = "", stderr: Any = subprocess.PIPE, **environment: str
+    ) -> subprocess.Popen[str]:
+        """Begin a run over all frames; with ``host`` it takes the machine's name for this one."""
+        module = ["-c", _ON_A_HOST, host] if host else ["-m", "flowabs_nodes"]
+        command = [sys.executable, *module, "run", graph, *options]
         command += ["-i", str(self.folder / "plate.####.exr"), "-o", str(self.made / "lines.####.exr")]
-        pipes: dict[str, Any] = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE, "text": True}
+        pipes: dict[str, Any] = {"stdout": subprocess.DEVNULL, "stderr": stderr, "text": True}
         return subprocess.Popen(command, env={**os.environ, "PYTHONPATH": str(CHECKOUT), **environment}, **pipes)
 
     def files(self) -> tuple[set[str], set[str]]:
@@ -51,12 +66,40 @@ class Shot:
 
 
 @contextmanager
-def shot(frames: int) -> Iterator[Shot]:
-    """Give a folder with so many frames; it is removed at the end."""
+def shot(frames: int, size: Size | None = None) -> Iterator[Shot]:
+    """Give a folder with so many frames, all one picture, of another size where one is given; removed at the end."""
     with tempfile.TemporaryDirectory() as name:
-        for frame in range(1, frames + 1):
-            shutil.copyfile(PICTURE, Path(name) / f"plate.{frame:04}.exr")
+        first = Path(name) / "plate.0001.exr"
+        if size is None:
+            shutil.copyfile(PICTURE, first)
+        else:
+            resized(PICTURE, first, size)
+        for frame in range(2, frames + 1):
+            os.link(first, first.with_name(f"plate.{frame:04}.exr"))
         yield Shot(Path(name), frames)
+
+
+def size_of(text: str) -> Size:
+    """Return the width and height that ``1920x1080`` means. Raises ValueError."""
+    width, height = map(int, text.split("x"))
+    return width, height
+
+
+def resized(picture: Path, to: Path, size: Size) -> None:
+    """Write a picture in another size, as half floats."""
+    width, height = size
+    made = oiio.ImageBufAlgo.resize(oiio.ImageBuf(str(picture)), roi=oiio.ROI(0, width, 0, height, 0, 1, 0, 3))
+    made.specmod().set_format(oiio.HALF)
+    if made.has_error or not made.write(str(to)):
+        raise RuntimeError(made.geterror())
+
+
+def pixels_of(path: Path) -> bytes:
+    """Return all pixels of a file."""
+    pixels = oiio.ImageBuf(str(path)).get_pixels(oiio.FLOAT)
+    if pixels is None:
+        raise RuntimeError(f"{path} cannot be read")
+    return pixels.tobytes()
 
 
 def decodes(path: Path) -> bool:

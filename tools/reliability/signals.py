@@ -11,7 +11,7 @@ import sys
 import time
 from dataclasses import dataclass
 
-from tools.reliability.runs import shot
+from tools.reliability.runs import Size, shot, size_of
 
 FRAMES = 40
 
@@ -46,9 +46,11 @@ class Outcome:
         return f"left behind: {', '.join(self.left)}" if self.left else ""
 
 
-def stop(number: int, moment: float, *, cold: bool = False, jobs: int = 1, patience: float = 60.0) -> Outcome:
+def stop(
+    number: int, moment: float, *, cold: bool = False, jobs: int = 1, size: Size | None = None, patience: float = 60.0
+) -> Outcome:
     """Begin a run, send it the signal after ``moment`` seconds, and say what became of it."""
-    with shot(FRAMES) as here:
+    with shot(FRAMES, size) as here:
         kernels = {"NUMBA_CACHE_DIR": str(here.folder / "cache")} if cold else {}
         with here.begin("--jobs", str(jobs), **kernels) as process:
             time.sleep(moment)
@@ -73,13 +75,16 @@ def main() -> int:
     parser.add_argument("--longest", type=float, default=4.0, metavar="SECONDS", help="the latest moment (4)")
     parser.add_argument("--cold", action="store_true", help="with an empty folder for kernels")
     parser.add_argument("--jobs", type=int, default=1, help="of each run (1)")
+    parser.add_argument("--size", type=size_of, metavar="WxH", help="of the plates (600x400)")
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # "&" in a script has all that it starts ignore Ctrl-C
     chance = random.Random(given.seed)
     outcomes = []
     for _ in range(given.times):
         number = chance.choice([signal.SIGINT, signal.SIGTERM])
-        outcomes.append(stop(number, chance.uniform(0.0, given.longest), cold=given.cold, jobs=given.jobs))
+        moment = chance.uniform(0.0, given.longest)
+        outcomes.append(stop(number, moment, cold=given.cold, jobs=given.jobs, size=given.size))
         if outcomes[-1].fault:
             print(f"at {outcomes[-1].moment:.3f} s: {outcomes[-1].fault}")
     outcomes.sort(key=lambda each: each.seconds)

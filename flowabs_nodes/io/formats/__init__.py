@@ -66,13 +66,17 @@ def found_in(path: str | os.PathLike[str]) -> Format | None:
         return None
 
 
-def to_read(path: str | os.PathLike[str]) -> Format:
-    """Return the format of an existing file, whose first bytes must be what its name says. Raises ReadError."""
+def to_read(path: str | os.PathLike[str], place: str = "") -> Format:
+    """Return the format of an existing file, whose first bytes must be what its name says. Raises ReadError.
+
+    ``place`` is another path by which it is opened.
+    """
     name = os.fspath(path)
-    check_kind(name)
+    place = place or name
+    check_kind(place)
     expected = check_extension(name)
     try:
-        with open(name, "rb") as file:
+        with open(place, "rb") as file:
             start = file.read(16)
     except FileNotFoundError:
         raise ReadError("no such file", code="missing-file", file=name) from None
@@ -84,7 +88,7 @@ def to_read(path: str | os.PathLike[str]) -> Format:
     if found is not expected:
         what = f"it is {found.article} {found.name} file" if found else "it does not begin as one does"
         raise ReadError(f"not {expected.article} {expected.name} file: {what}", code="bad-format", file=name)
-    expected.look(name)
+    expected.look(place)
     return expected
 
 

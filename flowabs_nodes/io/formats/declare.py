@@ -67,7 +67,8 @@ class Format:
         "normalized": whole numbers are read as 0..1; "exact": 32-bit whole numbers are ids, and keep their value.
     reader
         Given the headers that OpenImageIO could read and its complaint, returns who opens the file instead, as
-        "module:class" called with (path, format, settings); "" leaves the file to OpenImageIO.
+        "module:class" called with (path, place, format, settings), ``place`` another path by which it is opened; ""
+        leaves the file to OpenImageIO.
     look
         Given the path of a file that begins as one of this format, raises ReadError where opening it would take much
         time or memory for nothing.

@@ -29,8 +29,8 @@ def _look(path: str) -> None:
     """Refuse a file of too many channels; OpenImageIO takes 11 s to open one of 100,000."""
     with open(path, "rb") as file:
         file.seek(8)
-        while (attribute := _next_attribute(file)) is not None:
-            name, length = attribute
+        while (attribute := next_attribute(file)) is not None:
+            name, _, length = attribute
             if name == b"channels":
                 found = _count_channels(file.read(min(length, MAX_CHANNELS * (_NAME + _CHANNEL))))
                 if found > MAX_CHANNELS or length > MAX_CHANNELS * (_NAME + _CHANNEL):
@@ -40,16 +40,21 @@ def _look(path: str) -> None:
             file.seek(length, 1)
 
 
-def _next_attribute(file: BinaryIO) -> tuple[bytes, int] | None:
-    """Return name and size of the header's next attribute, and go to its value; None where there is none."""
+def next_attribute(file: BinaryIO) -> tuple[bytes, bytes, int] | None:
+    """Return name, type and size of a header's next attribute, and go to its value.
+
+    At the end of the header the file stands behind it, where that of the next part begins, and None is returned; None
+    too where there is no attribute.
+    """
     start = file.tell()
     head = file.read(2 * _NAME + 4)
     name, _, rest = head.partition(b"\0")
     kind, end, rest = rest.partition(b"\0")
     if not name or not end or len(rest) < 4:
+        file.seek(start + 1)
         return None
     file.seek(start + len(name) + len(kind) + 6)
-    return name, struct.unpack("<I", rest[:4])[0]
+    return name, kind, struct.unpack("<I", rest[:4])[0]
 
 
 def _count_channels(channels: bytes) -> int:

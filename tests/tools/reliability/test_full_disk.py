@@ -53,7 +53,6 @@ def test_a_full_folder_for_temporary_files(tmp_path: Path, name: str, monkeypatc
     ("changes", "fault"),
     [
         ({}, ""),
-        ({"code": 0, "whole": True, "left": ("frame.png",)}, ""),
         ({"code": 0, "left": ("frame.png",)}, "silent"),
         ({"code": None}, "hangs"),
         ({"left": (".frame.exr.claim",)}, "left behind: .frame.exr.claim"),

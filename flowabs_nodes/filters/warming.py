@@ -1,0 +1,67 @@
+"""Make the filters ready ahead of their first use: imported, and their kernels compiled, or read from disk."""
+
+from __future__ import annotations
+
+import inspect
+
+import numpy as np
+
+from flowabs_nodes import filters
+from flowabs_nodes.array_types import Array
+from flowabs_nodes.errors import ArgumentError, FlowabsError, nearest
+
+_HEIGHT, _WIDTH = 24, 40
+
+
+def warm_up(*names: str) -> None:
+    """Run filters once on a small picture, with default parameters, so that their first use takes no longer.
+
+    A program calls it before it starts threads, and before it forks: children share what is loaded, and none of them
+    compiles. What is compiled stays on disk. Kernels of other parameters than the defaults (``kernel="separable"``, an
+    alpha) are made ready when they are first asked for.
+
+    Parameters
+    ----------
+    names
+        Filters of this package; none: all of them, but for those whose package, OpenCV, is not installed.
+
+    Raises
+    ------
+    ArgumentError
+        There is no filter of this name.
+    FlowabsError
+        A filter that was named cannot run.
+    """
+    known = [name for name in filters.__all__ if name != "warm_up"]
+    for name in names:
+        if name not in known:
+            raise ArgumentError(f"there is no filter {name!r}", hint=nearest(name, known), parameter="names")
+    pictures = _pictures()
+    for name in names or known:
+        function = getattr(filters, name)
+        given = inspect.signature(function).parameters.values()
+        needed = {each.name: pictures[each.name] for each in given if each.default is each.empty}
+        try:
+            function(**needed)
+        except FlowabsError as error:
+            if names or error.code != "missing-package":
+                raise
+
+
+def _pictures() -> dict[str, Array | str | float]:
+    """Return what a filter takes, by the name of its parameter: noise of 24 x 40 pixels."""
+    chance = np.random.default_rng(1)
+    white = np.float32(255)
+    mono = white * chance.random((_HEIGHT, _WIDTH), np.float32)
+    color = white * chance.random((_HEIGHT, _WIDTH, 3), np.float32)
+    angle = np.float32(2 * np.pi) * chance.random((_HEIGHT, _WIDTH), np.float32)
+    return {
+        **dict.fromkeys(("code", "response"), mono),
+        "lstar": mono / np.float32(2.55),
+        "lines": mono / white,
+        "codes": color,
+        **dict.fromkeys(("rgb", "image"), color / white),
+        "flow": np.stack([np.cos(angle), np.sin(angle)], axis=2).astype(np.float32),
+        "gradient_reference": "max",
+        "p": 20.0,
+    }
