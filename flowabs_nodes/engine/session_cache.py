@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
 from flowabs_nodes import stopping
+from flowabs_nodes.engine.compiler import load_compiler
 from flowabs_nodes.engine.frame_outputs import FrameOutputs
 from flowabs_nodes.engine.node_events import NodeEvents
 from flowabs_nodes.engine.plan import Result
@@ -59,6 +60,7 @@ class SessionCache:
             The work was asked to stop, at work or while it waited.
         """
         with self._turn():
+            load_compiler()
             self._told.listener = tell or _nobody
             keys = {result: self._name(image, options.scale) for result, image in given.items()}
             images = {result: self._scaled(image, options.scale) for result, image in given.items()}
