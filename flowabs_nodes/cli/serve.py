@@ -16,6 +16,7 @@ from flowabs_nodes.cli.once import OnceOption
 from flowabs_nodes.cli.run_flags import some_run_options
 from flowabs_nodes.engine.memory import parse_memory
 from flowabs_nodes.errors import CommandError
+from flowabs_nodes.stopping import Stopped
 
 if TYPE_CHECKING:
     from flowabs_nodes.serve.server import Server
@@ -106,9 +107,16 @@ def serve(
             server.serve_clients(listener, secret)
             if host.piped:
                 watch_end(host.reads, server.end)
-        server.wait()
-    _end_soon()
-    return 0
+        code = 2  # where the host sent what is no message
+        try:
+            server.wait()
+            code = 0
+        except Stopped as stopped:
+            code = stopped.exit_code
+            raise
+        finally:
+            _end_soon(code)
+    return code
 
 
 def _server(cache: str, sessions: int, threads: int | None, max_pixels: int, ocio: str | None) -> Server:
@@ -127,7 +135,7 @@ def _server(cache: str, sessions: int, threads: int | None, max_pixels: int, oci
     return Server(Sessions(sessions, cache_bytes, options.threads, options.settings), max_pixels)
 
 
-def _end_soon(code: int = 0) -> None:
+def _end_soon(code: int) -> None:
     """End the process in a moment, also where a thread of another package is still at work."""
     timer = threading.Timer(_LAST_SECONDS, os._exit, [code])
     timer.daemon = True

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import os
 import threading
 from collections import OrderedDict
@@ -11,6 +10,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from flowabs_nodes import stopping
+from flowabs_nodes.engine.compiler import load_compiler
 from flowabs_nodes.engine.memory import give_back_freed_memory
 from flowabs_nodes.engine.runnable import load_graph
 from flowabs_nodes.engine.session import Session
@@ -144,7 +144,7 @@ class Sessions:
     def __init__(self, most: int, cache_bytes: int, threads: int | None, settings: Settings) -> None:
         self._most, self._cache_bytes = most, cache_bytes
         self._held: OrderedDict[Name, HeldSession] = OrderedDict()  # the one used last is at the end
-        self._changing, self._loading = threading.Lock(), threading.Lock()
+        self._changing = threading.Lock()
         self._at_work = threading.BoundedSemaphore(max(2, threads or available_threads()))
 
         def make(graph: Any, on_event: Tell) -> Session:
@@ -171,15 +171,10 @@ class Sessions:
         """Wait until fewer renders are at work than there may be, or until this one is asked to stop."""
         wait_for(self._at_work)
         try:
-            self._load_compiler()
+            load_compiler()  # pictures are converted by kernels too
             yield
         finally:
             self._at_work.release()
-
-    def _load_compiler(self) -> None:
-        """Import the compiler of kernels, in one thread alone: numba's modules import each other in circles."""
-        with self._loading:
-            importlib.import_module("flowabs_nodes.simd.lanes")
 
     def forget(self, client: int, name: str | None = None) -> None:
         """Let go of a client's session, or of all of them; what is at work there is cancelled."""

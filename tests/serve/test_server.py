@@ -191,6 +191,22 @@ def test_a_signal_ends_it_though_a_render_is_at_work(wire, slow, number):
     assert wire.end() == (128 + number, "")
 
 
+HANGING = """
+import threading, time
+threading.Thread(target=lambda: time.sleep(1000), name="another package's").start()
+from flowabs_nodes.__main__ import main
+main("serve")
+"""
+
+
+@pytest.mark.parametrize(("last_words", "code"), [(b"", 0), (b"garbage, garbage", 2)])
+def test_a_thread_of_another_package_does_not_keep_it(last_words, code):
+    with Wire(program=HANGING) as wire:
+        assert wire.message() == GREETING
+        wire.raw(last_words)
+        assert wire.end()[0] == code
+
+
 NOISY = """
 import os, sys
 from flowabs_nodes.serve import describing

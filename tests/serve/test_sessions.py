@@ -1,6 +1,8 @@
 """Sessions of clients: in turn, of a graph whose file may change, and let go when there are too many."""
 
+import gc
 import threading
+import weakref
 
 import pytest
 
@@ -9,7 +11,7 @@ from flowabs_nodes.image import Image
 from flowabs_nodes.io.settings import Settings
 from flowabs_nodes.serve.sessions import Sessions
 from flowabs_nodes.stopping import StopFlag, Stopped, stopped_by
-from tests.serve.wire import PATIENCE, graph_file, plate
+from tests.serve.wire import PATIENCE, graph_file, plate, slow_plate
 
 
 def held_by(sessions):
@@ -85,6 +87,39 @@ def test_sessions_in_use_are_not_let_go(sessions, graph):
             use(sessions, (1, name), graph)
         assert {(1, "a"), (1, "b"), (1, "c")} <= set(held_by(sessions))
     assert len(held_by(sessions)) == 3
+
+
+@pytest.fixture
+def no_collector():
+    """Switch the collector of garbage off: what is still there then is held by somebody, or by itself."""
+    gc.collect()
+    gc.disable()
+    yield
+    gc.enable()
+
+
+@pytest.mark.parametrize("values", [{}, {"stops": 3}])
+def test_what_is_let_go_is_freed_at_once(sessions, graph, no_collector, values):
+    images = [Image.from_array(plate(seed=seed)) for seed in range(3)]
+    refs = [weakref.ref(image) for image in images]
+    while images:
+        use(sessions, (1, "a"), graph, values, images.pop())
+    assert [ref() is not None for ref in refs] == [True, False, False]  # the one given last
+    sessions.forget(1)
+    assert refs[0]() is None
+
+
+def test_a_render_that_was_stopped_holds_nothing(sessions, slow, no_collector):
+    image, flag = Image.from_array(slow_plate()), StopFlag()
+    ref = weakref.ref(image)
+    timer = threading.Timer(1, flag.set)
+    timer.start()
+    with stopped_by(flag), pytest.raises(Stopped):
+        use(sessions, (1, "a"), slow, {}, image)
+    timer.join(PATIENCE)
+    del image
+    sessions.forget(1)
+    assert ref() is None
 
 
 def test_who_waits_for_a_turn_can_be_stopped(sessions):
