@@ -99,11 +99,11 @@ class HeldSession:
         same = picture.content and picture == self._described.get(name)
         return self._given.get(name) if same else None
 
-    def give(self, session: Session, images: Mapping[str, Image], made_of: Mapping[str, Picture]) -> None:
+    def give(self, session: Session, images: Mapping[str, Image], made_of: Mapping[str, Picture] | None = None) -> None:
         """Give the session these images, made of these pictures, and no others."""
         pictures: dict[str, Any] = {**dict.fromkeys(self._given), **images}
         session.given(pictures)
-        self._given, self._described = dict(images), dict(made_of)
+        self._given, self._described = dict(images), dict(made_of or {})
 
     @property
     def bytes(self) -> int:

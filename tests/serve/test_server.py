@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import flowabs_nodes
-from tests.serve.wire import PATIENCE, Wire, header, plate, render_slow
+from flowabs_nodes.serve.framing import read_message
+from tests.serve.wire import PATIENCE, Wire, graph_file, header, plate, render_slow
 
 GREETING = {"flowabs": flowabs_nodes.__version__, "protocol": 1}
 
@@ -59,6 +60,35 @@ def test_pictures_in_a_message_lie_one_behind_the_other_in_their_order(wire, gra
     assert answer["ok"], answer
     assert answer["payload"] == second.nbytes + first.nbytes
     assert [each["height"] for each in answer["pictures"].values()] == [3, 12]
+
+
+def test_a_picture_whose_content_has_a_name_is_not_read_again_under_it(wire, graph):
+    first, second = plate(seed=1), plate(seed=2)
+
+    def bright(number, pixels, session="s", **said):
+        words, _ = render(number, graph, pixels, session=session)
+        words["given"]["plate"] |= said
+        wire.send(words, pixels)
+        message = read_message(wire.process.stdout, 2**30)
+        assert message.words["ok"], message.words
+        return message.payload.tobytes()
+
+    one = bright(1, first, content="1.1.1")
+    assert bright(2, second, content="1.1.1") == one  # whoever says so is believed
+    other = bright(3, second, content="1.1.2")
+    assert other == bright(4, second) != one
+    assert bright(5, first) == one
+    assert bright(6, second) == other  # without a name each is read
+    bright(7, first, content="a")
+    assert bright(8, second, content="a", window=[1, 0]) == other  # all else has to be the same too
+    assert bright(9, second, content="a", session="another") == other
+
+
+def test_pictures_that_are_small_already_are_not_made_smaller(wire, tmp_path):
+    graph = graph_file(tmp_path, type="blur@1", inputs={"image": "plate"}, params={"sigma": 2})
+    for number, (scaled, width) in enumerate(((True, 20), (False, 10))):
+        wire.send(*render(number, graph, plate(), scale=0.5, scaled=scaled))
+        assert wire.answer(number)["pictures"]["bright"]["width"] == width
 
 
 @pytest.mark.parametrize(

@@ -55,7 +55,10 @@ def render_many(frames: int, kills: int, seed: int = 1, side: int = 96) -> Outco
     )
     chance, outcome = random.Random(seed), Outcome()
     victims = set(chance.sample(range(10, frames), kills))
-    plate = read_image(str(PICTURE)).pixels[:side, : side * 3 // 2]
+    plate = read_image(str(PICTURE)).pixels
+    plate = np.tile(plate, (side // plate.shape[0] + 1, side * 16 // 9 // plate.shape[1] + 1, 1))[
+        :side, : side * 16 // 9
+    ]
     source = np.ones((*plate.shape[:2], 4), np.float32)
     source[..., :3] = plate
     with (
@@ -162,7 +165,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m tools.reliability.openfx", description=__doc__)
     parser.add_argument("--times", type=int, default=1000, help="frames (1000)")
     parser.add_argument("--kills", type=int, default=50, help="frames whose server is killed (50)")
-    parser.add_argument("--side", type=int, default=96, help="the height of the picture (96)")
+    parser.add_argument("--side", type=int, default=96, help="the height of the picture (96; 8K: 4320)")
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
     outcome = render_many(given.times, given.kills, given.seed, given.side)
