@@ -39,6 +39,9 @@ COLORSPACES: Mapping[str, str] = {
     "Other, by name": "",
 }
 
+#: The most effects that one library can hold: MOST_EFFECTS of the C source.
+MOST_EFFECTS = 256
+
 #: The clips that every effect has; no other may be called so.
 _CLIPS = ("Source", "Output", "Mask")
 
@@ -56,6 +59,9 @@ def effects_document(folders: Iterable[str | os.PathLike[str]] | None = None) ->
     effects: dict[str, dict[str, Any]] = {}
     problems = []
     for identifier, source in _graphs(_folders() if folders is None else [Path(each) for each in folders]):
+        if len(effects) == MOST_EFFECTS:
+            problems.append(f"{source}: a library holds {MOST_EFFECTS} effects at most")
+            continue
         if identifier in effects:
             problems.append(f"{source}: another graph is called {Path(source).stem!r} already")
             continue

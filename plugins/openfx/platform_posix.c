@@ -249,10 +249,9 @@ void child_end(Child *child, double patience) {
 /* Make a file of this size in a folder, for this user alone, and map it; return whether there is one.
    All of it is reserved: writing to memory whose file has no room on its disk would end the host. */
 static int shared_make_in(Shared *shared, const char *folder, size_t size) {
-    static unsigned long count;
     int file = -1;
     for (int tries = 0; tries < 100 && file < 0; tries++) {
-        unsigned long mixed = (unsigned long)(seconds_now() * 1e9) ^ (++count << 20) ^ (unsigned long)(size_t)shared;
+        unsigned long mixed = (unsigned long)(seconds_now() * 1e9) ^ (unsigned long)(size_t)shared;
         snprintf(shared->name, sizeof shared->name, "%s/flowabs-%ld-%016lx", folder, (long)getpid(), mixed);
         file = open(shared->name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
         if (file < 0 && errno != EEXIST) return 0;

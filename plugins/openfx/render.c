@@ -204,6 +204,19 @@ static ServerResult filter(Frame *frame, char *why) {
     return result;
 }
 
+/* Where the server misses the file of a node that a clip stands for, say that the clip is to be connected. */
+static void name_missing_clip(const Frame *frame, char *why) {
+    const Effect *effect = frame->instance->effect;
+    char start[PATH_ROOM], said[WHY_ROOM];
+    for (int i = 0; i < effect->clip_count; i++) {
+        snprintf(start, sizeof start, "node '%.*s'", (int)strcspn(effect->clips[i].given, "."), effect->clips[i].given);
+        if (frame->clips[i].image || strncmp(why, start, strlen(start)) != 0) continue;
+        snprintf(said, sizeof said, "connect the clip %s, or set its file in the graph: %.700s", effect->clips[i].name, why);
+        snprintf(why, WHY_ROOM, "%s", said);
+        return;
+    }
+}
+
 /* ---------------------------------------------------------------------- the action */
 
 /* Read the arguments of the action; return whether they make sense. */
@@ -235,6 +248,7 @@ OfxStatus render(OfxImageEffectHandle handle, OfxPropertySetHandle in) {
         find_display(&frame);
         result = filter(&frame, why);
         if (result == SERVER_LOST) result = filter(&frame, why);
+        if (result == SERVER_REFUSED) name_missing_clip(&frame, why);
     }
     release_pictures(&frame);
     if (frame.shows_progress) host.progress->progressEnd(handle);

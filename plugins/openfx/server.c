@@ -12,7 +12,7 @@
 
 static const unsigned char MAGIC[8] = {'F', 'L', 'A', 'B', 'S', '1', 0, 0};
 
-enum { HEADER = 16, LONGEST = 8 << 20, PROTOCOL = 1, FREE_BLOCKS = 3 };
+enum { HEADER = 16, LONGEST = 8 << 20, PROTOCOL = 1, FREE_BLOCKS = 3, LOOK = 10 /* milliseconds from one question to the next */ };
 
 /* Seconds. A server's first words take a while: Python loads its libraries. */
 static const double UNTIL_HELLO = 5, UNTIL_LOST = 60, UNTIL_GREETING = 120, TO_SEND = 20, TO_END = 5;
@@ -212,7 +212,7 @@ static ServerResult wait_for_greeting(Ask ask, void *asked, char *why) {
     int stop = 0;
     lock(&link.guard);
     while (link.alive && !link.greeted && !*link.refusal && !stop && seconds_now() < until) {
-        wait_for(&link.news, &link.guard, 20);
+        wait_for(&link.news, &link.guard, LOOK);
         unlock(&link.guard);
         stop = ask(asked, 0);
         lock(&link.guard);
@@ -331,7 +331,7 @@ ServerResult server_call(const char *what, const Text *rest, Ask ask, void *aske
     lock(&link.guard);
     if (!sent && link.alive && link.run == run) child_kill(&link.child);
     while (!call.answer && link.alive && link.run == run) {
-        wait_for(&link.news, &link.guard, 20);
+        wait_for(&link.news, &link.guard, LOOK);
         double done = call.done;
         unlock(&link.guard);
         if (!cancelled && ask && ask(asked, done)) {

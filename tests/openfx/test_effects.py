@@ -8,6 +8,7 @@ from flowabs_nodes.choices import readable
 from flowabs_nodes.color import named
 from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.graph.shipped import shipped
+from flowabs_nodes.openfx import bundle, effects
 from flowabs_nodes.openfx.effects import COLORSPACES, FORMAT, effect, effects_document
 from tests.openfx.conftest import PANEL
 
@@ -58,6 +59,15 @@ def test_a_graph_that_reads_nothing_or_is_wrong_is_said_to_be_no_effect(tmp_path
     assert "bad.json" in problems[1]
     with pytest.raises(FlowabsError):
         effect("org.flowabs.user.bad", str(tmp_path / "bad.json"))
+
+
+def test_there_are_no_more_effects_than_a_library_holds(folder, monkeypatch):
+    source = (bundle.source_folder() / "effects.h").read_text(encoding="utf-8")
+    assert f"MOST_EFFECTS = {effects.MOST_EFFECTS}" in source
+    monkeypatch.setattr(effects, "MOST_EFFECTS", len(shipped()))
+    document, problems = effects_document([folder])
+    assert len(document["effects"]) == len(shipped())
+    assert problems == [f"{folder / 'panel.json'}: a library holds {len(shipped())} effects at most"]
 
 
 def test_clips_outputs_and_what_varies(folder):

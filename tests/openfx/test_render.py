@@ -10,7 +10,7 @@ import flowabs_nodes as fa
 from flowabs_nodes.engine.resize import scale_image
 from flowabs_nodes.graph.shipped import shipped
 from tests.openfx.conftest import PANEL, SOFT, instance_of, picture
-from tests.openfx.host import FILTER, GENERAL, IMAGE_FORMAT
+from tests.openfx.host import FAILED, FILTER, GENERAL, IMAGE_FORMAT
 from tests.openfx.images import Held, Layout
 
 
@@ -188,6 +188,15 @@ def test_another_plate_and_a_depth_come_from_clips_of_their_own(host):
     assert np.array_equal(instance.render()[..., :3], np.repeat(far[..., :1], 3, axis=2))
     instance.clips["depth"].connect(Held(far[..., :1].copy()))
     assert np.array_equal(instance.render()[..., :3], np.repeat(far[..., :1], 3, axis=2))
+    instance.destroy()
+
+
+def test_a_clip_that_is_missing_is_named(host):
+    instance = instance_of(host, "panel", picture())
+    for output, clip in ((1, "other"), (3, "depth")):
+        instance.set(output=output)
+        instance.render(expect=FAILED)
+        assert instance.message[1].startswith(f"connect the clip {clip}, or set its file in the graph: node '{clip}': ")
     instance.destroy()
 
 
