@@ -32,7 +32,7 @@ NAME = "Flowabs"
 ARCHITECTURES = {
     "linux": ("Linux-x86-64", ("-fPIC", "-shared", "-pthread", "-ldl", "-lm")),
     "darwin": ("MacOS", ("-fPIC", "-bundle")),
-    "win32": ("Win64", ("-shared", "-static-libgcc")),
+    "win32": ("Win64", ("-shared", "-static-libgcc", "-D__USE_MINGW_ANSI_STDIO=1")),
 }
 
 #: Variables that a host may have set for its own Python, and that the plug-in takes away.

@@ -14,9 +14,11 @@ static const char *const PARAM_TYPES[] = {kOfxParamTypeDouble,  kOfxParamTypeInt
 static int host_has_floats(void) {
     int count = 0;
     char *depth = NULL;
-    if (host.props->propGetDimension(host.host->host, kOfxImageEffectPropSupportedPixelDepths, &count) || !count) return 1;
+    if (host.props->propGetDimension(host.host->host, kOfxImageEffectPropSupportedPixelDepths, &count) || !count)
+        return 1;
     for (int i = 0; i < count; i++) {
-        if (host.props->propGetString(host.host->host, kOfxImageEffectPropSupportedPixelDepths, i, &depth) || !depth) continue;
+        if (host.props->propGetString(host.host->host, kOfxImageEffectPropSupportedPixelDepths, i, &depth) || !depth)
+            continue;
         if (strcmp(depth, kOfxBitDepthFloat) == 0 || strcmp(depth, kOfxBitDepthHalf) == 0) return 1;
     }
     return 0;
@@ -84,7 +86,9 @@ static int can_animate(const Param *param) {
 
 /* Set the range of a number, the range of its slider, and where it stands at first. */
 static void define_number(const Param *param, OfxPropertySetHandle own) {
-    static const char *const ends[] = {kOfxParamPropMin, kOfxParamPropMax, kOfxParamPropDisplayMin, kOfxParamPropDisplayMax};
+    static const char *const ends[] = {
+        kOfxParamPropMin, kOfxParamPropMax, kOfxParamPropDisplayMin, kOfxParamPropDisplayMax
+    };
     static const char *const keys[] = {"min", "max", "display_min", "display_max"};
     double value = json_number(param->json, "default", 0);
     for (int i = 0; i < 4; i++) {
@@ -93,7 +97,12 @@ static void define_number(const Param *param, OfxPropertySetHandle own) {
         if (param->type == PARAM_DOUBLE)
             host.props->propSetDouble(own, ends[i], 0, end->number);
         else
-            host.props->propSetInt(own, ends[i], 0, (int)(end->number < INT_MIN ? INT_MIN : end->number > INT_MAX ? INT_MAX : end->number));
+            host.props->propSetInt(
+                own, ends[i], 0,
+                (int)(end->number < INT_MIN   ? INT_MIN
+                      : end->number > INT_MAX ? INT_MAX
+                                              : end->number)
+            );
     }
     if (param->type == PARAM_DOUBLE) {
         host.props->propSetDouble(own, kOfxParamPropDefault, 0, value);
@@ -145,7 +154,8 @@ static OfxStatus define_params(const Effect *effect, OfxParamSetHandle set) {
     const char *last = "";
     for (int i = 0; i < effect->param_count; i++) {
         const Param *param = &effect->params[i];
-        const char *group = json_string(param->json, "group", ""), *label = json_string(param->json, "group_label", group);
+        const char *group = json_string(param->json, "group", ""),
+                   *label = json_string(param->json, "group_label", group);
         OfxPropertySetHandle own;
         OfxStatus status;
         if (*group && strcmp(group, last) != 0) { /* effects.json has those of a group side by side */

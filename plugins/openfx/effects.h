@@ -3,6 +3,7 @@
 #ifndef FLOWABS_EFFECTS_H
 #define FLOWABS_EFFECTS_H
 
+#include "json.h"
 #include "openfx_api.h"
 #include "platform.h"
 #include "text.h"

@@ -23,7 +23,9 @@ static OfxStatus load(void) {
                                  : host.host->fetchSuite(host.host->host, kOfxMessageSuite, 1);
     host.progress = host.host->fetchSuite(host.host->host, kOfxProgressSuite, 1);
     if (!host.props || !host.effects || !host.params) {
-        const char *missing = !host.props ? kOfxPropertySuite : !host.effects ? kOfxImageEffectSuite : kOfxParameterSuite;
+        const char *missing = !host.props     ? kOfxPropertySuite
+                              : !host.effects ? kOfxImageEffectSuite
+                                              : kOfxParameterSuite;
         fprintf(stderr, "flowabs: this host has no %s, version 1\n", missing);
         return kOfxStatErrMissingHostFeature;
     }
@@ -33,12 +35,16 @@ static OfxStatus load(void) {
 
 /* Answer OfxActionUnload: the server ends with the last effect. */
 static OfxStatus unload(void) {
-    if (loaded > 0 && --loaded == 0) server_end();
+    if (loaded > 0 && --loaded == 0) {
+        server_end();
+        server_purge();
+    }
     return kOfxStatOK;
 }
 
 /* Answer an action that comes to an effect. Before OfxActionLoad nothing can be asked. */
-static OfxStatus answer(int index, const char *action, const void *handle, OfxPropertySetHandle in, OfxPropertySetHandle out) {
+static OfxStatus
+answer(int index, const char *action, const void *handle, OfxPropertySetHandle in, OfxPropertySetHandle out) {
     const Effect *effect = effects_get(index);
     OfxImageEffectHandle own = (OfxImageEffectHandle)handle;
     if (strcmp(action, kOfxActionLoad) == 0) return load();
@@ -62,16 +68,18 @@ static void set_host(OfxHost *structure) { host.host = structure; }
 
 /* ---- one entry for each effect: entry_00 to entry_FF ---- */
 
-#define ENTRY(n)                                                                                                        \
-    static OfxStatus entry_##n(const char *a, const void *h, OfxPropertySetHandle in, OfxPropertySetHandle out) {       \
-        return answer(0x##n, a, h, in, out);                                                                            \
+/* clang-format off */
+#define ENTRY(n)                                                                                                  \
+    static OfxStatus entry_##n(const char *a, const void *h, OfxPropertySetHandle in, OfxPropertySetHandle out) { \
+        return answer(0x##n, a, h, in, out);                                                                      \
     }
 #define NAME(n) entry_##n,
 #define SIXTEEN(X, d) X(d##0) X(d##1) X(d##2) X(d##3) X(d##4) X(d##5) X(d##6) X(d##7) \
                       X(d##8) X(d##9) X(d##A) X(d##B) X(d##C) X(d##D) X(d##E) X(d##F)
-#define ALL(X)                                                                                                          \
-    SIXTEEN(X, 0) SIXTEEN(X, 1) SIXTEEN(X, 2) SIXTEEN(X, 3) SIXTEEN(X, 4) SIXTEEN(X, 5) SIXTEEN(X, 6) SIXTEEN(X, 7)     \
-    SIXTEEN(X, 8) SIXTEEN(X, 9) SIXTEEN(X, A) SIXTEEN(X, B) SIXTEEN(X, C) SIXTEEN(X, D) SIXTEEN(X, E) SIXTEEN(X, F)
+#define ALL(X) SIXTEEN(X, 0) SIXTEEN(X, 1) SIXTEEN(X, 2) SIXTEEN(X, 3) SIXTEEN(X, 4) SIXTEEN(X, 5) \
+               SIXTEEN(X, 6) SIXTEEN(X, 7) SIXTEEN(X, 8) SIXTEEN(X, 9) SIXTEEN(X, A) SIXTEEN(X, B) \
+               SIXTEEN(X, C) SIXTEEN(X, D) SIXTEEN(X, E) SIXTEEN(X, F)
+/* clang-format on */
 
 ALL(ENTRY)
 static OfxPluginEntryPoint *const ENTRIES[MOST_EFFECTS] = {ALL(NAME)};

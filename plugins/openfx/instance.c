@@ -1,4 +1,5 @@
-/* An instance of an effect: its handles, the values of its parameters, its messages, and the actions that are no work. */
+/* An instance of an effect: its handles, the values of its parameters, its messages, and the actions that are no work.
+ */
 
 #include "instance.h"
 
@@ -109,7 +110,10 @@ const char *instance_string(const Instance *instance, Role role, OfxTime time) {
 static int add_choice(const Param *param, int value, Text *out, char *why) {
     const Json *list = json_get(param->json, "words"), *word = value >= 0 ? json_at(list, value) : NULL;
     if (!word || !word->string) {
-        snprintf(why, WHY_ROOM, "parameter %s: expected a choice of 0 to %d, found %d", param->name, json_count(list) - 1, value);
+        snprintf(
+            why, WHY_ROOM, "parameter %s: expected a choice of 0 to %d, found %d", param->name, json_count(list) - 1,
+            value
+        );
         return 0;
     }
     text_add_string(out, word->string);
@@ -226,7 +230,8 @@ OfxStatus region_of_definition(OfxImageEffectHandle handle, OfxPropertySetHandle
     double time = 0;
     host.props->propGetDouble(in, kOfxPropTime, 0, &time);
     if (!instance || !instance->source) return kOfxStatReplyDefault;
-    if (host.effects->clipGetRegionOfDefinition(instance->source, time, &rect) != kOfxStatOK) return kOfxStatReplyDefault;
+    if (host.effects->clipGetRegionOfDefinition(instance->source, time, &rect) != kOfxStatOK)
+        return kOfxStatReplyDefault;
     return host.props->propSetDoubleN(out, kOfxImageEffectPropRegionOfDefinition, 4, &rect.x1);
 }
 
@@ -239,8 +244,8 @@ static void want_whole(OfxImageClipHandle clip, const char *name, OfxTime time, 
     host.props->propSetDoubleN(out, property, 4, &rect.x1);
 }
 
-/* Answer OfxImageEffectActionGetRegionsOfInterest: any pixel of the result may come from any pixel that goes in. The mask
-   is wanted where the result is, as the host takes for granted. */
+/* Answer OfxImageEffectActionGetRegionsOfInterest: any pixel of the result may come from any pixel that goes in. The
+   mask is wanted where the result is, as the host takes for granted. */
 OfxStatus regions_of_interest(OfxImageEffectHandle handle, OfxPropertySetHandle in, OfxPropertySetHandle out) {
     Instance *instance = instance_of(handle);
     double time = 0;
@@ -252,8 +257,8 @@ OfxStatus regions_of_interest(OfxImageEffectHandle handle, OfxPropertySetHandle 
     return kOfxStatOK;
 }
 
-/* Answer OfxImageEffectActionGetClipPreferences: alpha stays as the source has it; only what is drawn alone, to be put over
-   something, is never opaque. A graph with curves differs from frame to frame. */
+/* Answer OfxImageEffectActionGetClipPreferences: alpha stays as the source has it; only what is drawn alone, to be put
+   over something, is never opaque. A graph with curves differs from frame to frame. */
 OfxStatus clip_preferences(OfxImageEffectHandle handle, OfxPropertySetHandle out) {
     Instance *instance = instance_of(handle);
     OfxPropertySetHandle source;
@@ -262,7 +267,7 @@ OfxStatus clip_preferences(OfxImageEffectHandle handle, OfxPropertySetHandle out
     if (host.effects->clipGetPropertySet(instance->source, &source) == kOfxStatOK)
         host.props->propGetString(source, kOfxImageEffectPropPreMultiplication, 0, &alpha);
     int alone = instance_int(instance, ROLE_OUTPUT, 0) > 0;
-    const char *wanted = alpha && strcmp(alpha, kOfxImageUnPreMultiplied) == 0  ? kOfxImageUnPreMultiplied
+    const char *wanted = alpha && strcmp(alpha, kOfxImageUnPreMultiplied) == 0    ? kOfxImageUnPreMultiplied
                          : alpha && strcmp(alpha, kOfxImageOpaque) == 0 && !alone ? kOfxImageOpaque
                                                                                   : kOfxImagePreMultiplied;
     host.props->propSetString(out, kOfxImageEffectPropPreMultiplication, 0, wanted);

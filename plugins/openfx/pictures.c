@@ -51,7 +51,9 @@ static int read_image(Picture *picture, const char *name, char *why) {
         const char *found = depth ? depth : "pixels of no depth";
         snprintf(why, WHY_ROOM, "%s: Flowabs works on floats of 32 or 16 bits, the host gave %s", name, found);
     } else if (!components || (picture->channels == 4 && strcmp(components, kOfxImageComponentRGBA) != 0)) {
-        snprintf(why, WHY_ROOM, "%s: Flowabs works on RGBA, the host gave %s", name, components ? components : "nothing");
+        snprintf(
+            why, WHY_ROOM, "%s: Flowabs works on RGBA, the host gave %s", name, components ? components : "nothing"
+        );
     } else if (!data || rows != kOfxStatOK || bounds != kOfxStatOK) {
         snprintf(why, WHY_ROOM, "%s: the host gave an image without pixels", name);
     } else {
@@ -204,7 +206,8 @@ static double amount_at(const Blend *blend, int x, int y) {
 }
 
 /* Lay one pixel of the result over the source's; where all or nothing of it counts, the bits stay what they are. */
-static void blend_pixel(unsigned char *out, const Picture *output, const unsigned char *result, const Blend *blend, int x, int y) {
+static void
+blend_pixel(unsigned char *out, const Picture *output, const unsigned char *result, const Blend *blend, int x, int y) {
     const Picture *source = blend->source;
     OfxRectI box = source->bounds;
     int inside = x >= box.x1 && x < box.x2 && y >= box.y1 && y < box.y2;
@@ -227,13 +230,14 @@ void picture_fill(const Picture *output, OfxRectI window, const Blend *blend) {
     int as_it_is = blend->mix >= 1 && !blend->mask->image;
     if (memcmp(&common, &window, sizeof common) != 0) picture_clear(output, window);
     for (int y = common.y1; y < common.y2; y++) {
-        const unsigned char *from = blend->result + (size_t)(blend->window.y2 - 1 - y) * row +
-                                    (size_t)(common.x1 - blend->window.x1) * pixel;
+        const unsigned char *from =
+            blend->result + (size_t)(blend->window.y2 - 1 - y) * row + (size_t)(common.x1 - blend->window.x1) * pixel;
         unsigned char *to = pixel_at(output, common.x1, y);
         if (as_it_is) {
             memcpy(to, from, (size_t)rect_width(common) * pixel);
             continue;
         }
-        for (int x = common.x1; x < common.x2; x++, from += pixel, to += pixel) blend_pixel(to, output, from, blend, x, y);
+        for (int x = common.x1; x < common.x2; x++, from += pixel, to += pixel)
+            blend_pixel(to, output, from, blend, x, y);
     }
 }

@@ -117,7 +117,8 @@ static char **clean_environment(char *python_path) {
     return clean;
 }
 
-/* Make two ends of a socket, both above the files 0, 1 and 2, closed in other children. Return whether there are any. */
+/* Make two ends of a socket, both above the files 0, 1 and 2, closed in other children. Return whether there are any.
+ */
 static int make_sockets(int ends[2]) {
     int pair[2];
     if (socketpair(AF_UNIX, SOCK_STREAM, 0, pair) != 0) return 0;

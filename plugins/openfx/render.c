@@ -14,9 +14,9 @@ enum { ALIGNMENT = 64 };
 typedef struct Frame {
     Instance *instance;
     OfxTime time;
-    double scale;      /* of the pictures that come in: below 1 for a host's proxies */
-    OfxRectI window;   /* to be filled */
-    OfxRectI display;  /* what is meant to be seen of the picture, y up */
+    double scale;     /* of the pictures that come in: below 1 for a host's proxies */
+    OfxRectI window;  /* to be filled */
+    OfxRectI display; /* what is meant to be seen of the picture, y up */
     Picture source, mask, output, clips[MOST_CLIPS];
     double started;
     int shows_progress;
@@ -51,8 +51,8 @@ static void find_display(Frame *frame) {
     host.props->propGetDouble(frame->source.image, kOfxImagePropPixelAspectRatio, 0, &aspect);
     double x = frame->scale / (aspect > 0 ? aspect : 1), y = frame->scale; /* from the project's units to pixels */
     OfxRectI format = {
-        (int)floor(offset[0] * x + 0.5), (int)floor(offset[1] * y + 0.5),
-        (int)floor((offset[0] + size[0]) * x + 0.5), (int)floor((offset[1] + size[1]) * y + 0.5)
+        (int)floor(offset[0] * x + 0.5), (int)floor(offset[1] * y + 0.5), (int)floor((offset[0] + size[0]) * x + 0.5),
+        (int)floor((offset[1] + size[1]) * y + 0.5)
     };
     if (rect_width(format) && rect_height(format)) frame->display = format;
 }
@@ -90,8 +90,8 @@ static void release_pictures(Frame *frame) {
 /* Return a place in memory rounded up. */
 static size_t aligned(size_t bytes) { return (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT; }
 
-/* Add a picture in shared memory to the request: on a window of the host, y up, the server's y goes down. Of one channel
-   the server asks no name: it is "A". */
+/* Add a picture in shared memory to the request: on a window of the host, y up, the server's y goes down. Of one
+   channel the server asks no name: it is "A". */
 static void add_picture(
     Text *out, const Frame *frame, const Picture *picture, OfxRectI window, const Block *block, size_t offset,
     const char *colorspace, const char *channels
@@ -101,15 +101,15 @@ static void add_picture(
         "{\"memory\": %d, \"offset\": %zu, \"width\": %d, \"height\": %d, \"channels\": \"%s\", \"dtype\": \"%s\", "
         "\"row_bytes\": %zu, \"alpha\": \"%s\", \"window\": [%d, %d], \"display\": [0, 0, %d, %d], \"colorspace\": ",
         block->number, offset, rect_width(window), rect_height(window), channels[1] ? channels : "A",
-        picture->half ? "float16" : "float32",
-        (size_t)rect_width(window) * strlen(channels) * (picture->half ? 2 : 4), picture->alpha,
-        window.x1 - frame->display.x1, frame->display.y2 - window.y2, rect_width(frame->display), rect_height(frame->display)
+        picture->half ? "float16" : "float32", (size_t)rect_width(window) * strlen(channels) * (picture->half ? 2 : 4),
+        picture->alpha, window.x1 - frame->display.x1, frame->display.y2 - window.y2, rect_width(frame->display),
+        rect_height(frame->display)
     );
     text_add_string(out, colorspace);
 }
 
-/* Copy a picture into shared memory, and add it to those that are given. Its content has the same name as long as nothing
-   in the block has changed: then the server need not look at it again. */
+/* Copy a picture into shared memory, and add it to those that are given. Its content has the same name as long as
+   nothing in the block has changed: then the server need not look at it again. */
 static void give_picture(
     Text *out, const Frame *frame, const Picture *picture, Block *block, size_t offset, const char *colorspace,
     const char *channels
@@ -124,7 +124,8 @@ static const char *colorspace_of(const Frame *frame) {
     const Instance *instance = frame->instance;
     int choice = instance_int(instance, ROLE_COLORSPACE, frame->time);
     const Json *name = choice < 0 ? NULL : json_at(json_get(instance->effect->json, "colorspaces"), choice);
-    return name && name->string && *name->string ? name->string : instance_string(instance, ROLE_COLORSPACE_NAME, frame->time);
+    return name && name->string && *name->string ? name->string
+                                                 : instance_string(instance, ROLE_COLORSPACE_NAME, frame->time);
 }
 
 /* Return the name of the output that was chosen; NULL for a choice that there is not. */
@@ -141,7 +142,8 @@ static int write_request(Frame *frame, Block *block, OfxRectI wanted, size_t res
     const char *colorspace = colorspace_of(frame), *output = output_of(frame);
     size_t at = aligned(picture_bytes(&frame->source, frame->source.bounds));
     if (!*colorspace || !output) {
-        const char *problem = output ? "colorspace: expected the name of a colour space, found nothing" : "output: no such choice";
+        const char *problem =
+            output ? "colorspace: expected the name of a colour space, found nothing" : "output: no such choice";
         snprintf(why, WHY_ROOM, "parameter %s", problem);
         return 0;
     }
@@ -163,7 +165,9 @@ static int write_request(Frame *frame, Block *block, OfxRectI wanted, size_t res
         text_add(out, ", ");
         text_add_string(out, effect->clips[i].given);
         text_add(out, ": ");
-        give_picture(out, frame, picture, block, at, colorspace, picture->channels == 1 ? "A" : effect->clips[i].channels);
+        give_picture(
+            out, frame, picture, block, at, colorspace, picture->channels == 1 ? "A" : effect->clips[i].channels
+        );
         at += aligned(picture_bytes(picture, picture->bounds));
     }
     text_add(out, "}, \"into\": {");
@@ -211,7 +215,9 @@ static void name_missing_clip(const Frame *frame, char *why) {
     for (int i = 0; i < effect->clip_count; i++) {
         snprintf(start, sizeof start, "node '%.*s'", (int)strcspn(effect->clips[i].given, "."), effect->clips[i].given);
         if (frame->clips[i].image || strncmp(why, start, strlen(start)) != 0) continue;
-        snprintf(said, sizeof said, "connect the clip %s, or set its file in the graph: %.700s", effect->clips[i].name, why);
+        snprintf(
+            said, sizeof said, "connect the clip %s, or set its file in the graph: %.700s", effect->clips[i].name, why
+        );
         snprintf(why, WHY_ROOM, "%s", said);
         return;
     }
@@ -222,7 +228,8 @@ static void name_missing_clip(const Frame *frame, char *why) {
 /* Read the arguments of the action; return whether they make sense. */
 static int read_arguments(Frame *frame, OfxPropertySetHandle in) {
     double scale[2] = {1, 1};
-    if (host.props->propGetDouble(in, kOfxPropTime, 0, &frame->time) != kOfxStatOK || !(fabs(frame->time) < 1e9)) return 0;
+    if (host.props->propGetDouble(in, kOfxPropTime, 0, &frame->time) != kOfxStatOK || !(fabs(frame->time) < 1e9))
+        return 0;
     if (host.props->propGetIntN(in, kOfxImageEffectPropRenderWindow, 4, &frame->window.x1) != kOfxStatOK) return 0;
     host.props->propGetDoubleN(in, kOfxImageEffectPropRenderScale, 2, scale);
     /* Pixels that are not square are smaller by x alone: lines are as wide as in a picture that is smaller by y. */

@@ -5,16 +5,18 @@
 
 #include "server.h"
 
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "json.h"
+
 static const unsigned char MAGIC[8] = {'F', 'L', 'A', 'B', 'S', '1', 0, 0};
 
-enum { HEADER = 16, LONGEST = 8 << 20, PROTOCOL = 1, FREE_BLOCKS = 3, LOOK = 10 /* milliseconds from one question to the next */ };
+enum { HEADER = 16, LONGEST = 8 << 20, PROTOCOL = 1, LOOK = 10 };
 
-/* Seconds. A server's first words take a while: Python loads its libraries. */
+/* Seconds; LOOK is in milliseconds: how often who waits is asked. A server's first words take a while: Python loads its
+ * libraries. */
 static const double UNTIL_HELLO = 5, UNTIL_LOST = 60, UNTIL_GREETING = 120, TO_SEND = 20, TO_END = 5;
 
 /* A request that waits for its answer. */
@@ -39,11 +41,10 @@ static struct {
     int alive;   /* the receiver is at work */
     int greeted; /* the first message came, and fits */
     int run;     /* counts the starts */
-    int last_id, last_block;
+    int last_id;
     double heard; /* when the last message came */
     double asked; /* when the last hello was sent */
     Call *calls;
-    Block *blocks;
     char refusal[WHY_ROOM]; /* what was wrong with the first message */
 } link = {.guard = LOCK_START, .starting = LOCK_START, .sending = LOCK_START, .news = SIGNAL_START};
 
@@ -143,7 +144,8 @@ static int send_message(int run, const char *chars, size_t length) {
     double seconds = patience(TO_SEND);
     lock(&link.sending);
     int there = link.there && link.run == run;
-    int sent = there && child_send(&link.child, header, HEADER, seconds) && child_send(&link.child, chars, length, seconds);
+    int sent =
+        there && child_send(&link.child, header, HEADER, seconds) && child_send(&link.child, chars, length, seconds);
     unlock(&link.sending);
     return sent;
 }
@@ -218,7 +220,12 @@ static ServerResult wait_for_greeting(Ask ask, void *asked, char *why) {
         lock(&link.guard);
     }
     int greeted = link.greeted && link.alive, alive = link.alive;
-    snprintf(reason, sizeof reason, "%s", *link.refusal ? link.refusal : alive ? "it does not answer" : "it ended at once");
+    snprintf(
+        reason, sizeof reason, "%s",
+        *link.refusal ? link.refusal
+        : alive       ? "it does not answer"
+                      : "it ended at once"
+    );
     unlock(&link.guard);
     if (greeted) return SERVER_DONE;
     if (stop) return SERVER_STOPPED; /* it goes on starting, for the next frame */
@@ -236,13 +243,12 @@ ServerResult server_start(Ask ask, void *asked, char *why) {
     int alive = link.there && link.alive;
     unlock(&link.guard);
     if (!alive) clear_away(0);
-    ServerResult result =
-        alive || launch(reason) ? wait_for_greeting(ask, asked, why) : missing(why, reason);
+    ServerResult result = alive || launch(reason) ? wait_for_greeting(ask, asked, why) : missing(why, reason);
     unlock(&link.starting);
     return result;
 }
 
-/* Have the server end, and wait until it has; let go of everything. */
+/* Have the server end, and wait until it has. */
 void server_end(void) {
     lock(&link.starting);
     if (link.there && link.owner == process_id()) {
@@ -251,12 +257,6 @@ void server_end(void) {
     }
     link.there = link.alive = 0;
     unlock(&link.starting);
-    while (link.blocks) {
-        Block *block = link.blocks;
-        link.blocks = block->next;
-        shared_free(&block->shared);
-        free(block);
-    }
 }
 
 /* ---------------------------------------------------------------------- calling */
@@ -360,105 +360,21 @@ ServerResult server_call(const char *what, const Text *rest, Ask ask, void *aske
     return cancelled ? SERVER_STOPPED : result;
 }
 
-/* ---------------------------------------------------------------------- memory */
-
-/* Take out of the list, under the guard, a block that nobody uses: one of an older run, or the first of too many. */
-static Block *superfluous_block(int keep) {
-    int count = 0;
-    for (Block **place = &link.blocks; *place; place = &(*place)->next) {
-        Block *block = *place;
-        if (block->used) continue;
-        if (block->run == link.run && ++count <= keep) continue;
-        *place = block->next;
-        return block;
-    }
-    return NULL;
-}
-
-/* Let go of blocks that nobody uses, but for `keep` of them, here and in the server. */
-static void drop_blocks(int keep) {
-    for (;;) {
-        char why[WHY_ROOM];
-        lock(&link.guard);
-        Block *block = superfluous_block(keep);
-        int known = block && block->run == link.run && link.alive;
-        unlock(&link.guard);
-        if (!block) return;
-        if (known) {
-            Text rest = {0};
-            text_add(&rest, ", \"memory\": %d", block->number);
-            server_call("unmap", &rest, NULL, NULL, why);
-            text_free(&rest);
-        }
-        shared_free(&block->shared);
-        free(block);
-    }
-}
-
-/* Find memory of at least this size that the server has mapped; the caller gives it back. */
-ServerResult server_block(size_t size, Block **found, char *why) {
+/* Return the number of the server's start, 0 where none is at work. */
+int server_run(void) {
     lock(&link.guard);
-    for (Block *block = link.blocks; block; block = block->next) {
-        if (block->used || block->run != link.run || block->shared.size < size) continue;
-        block->used = 1;
-        *found = block;
-        unlock(&link.guard);
-        return SERVER_DONE;
-    }
+    int run = link.alive && link.greeted && link.owner == process_id() ? link.run : 0;
     unlock(&link.guard);
-    drop_blocks(0); /* the size of pictures has changed, or more are at work at once than ever */
-
-    Block *block = calloc(1, sizeof *block);
-    if (!block || !shared_make(&block->shared, size)) {
-        free(block);
-        snprintf(why, WHY_ROOM, "there is no room for a picture of %zu MB in shared memory", size >> 20);
-        return SERVER_REFUSED;
-    }
-    lock(&link.guard);
-    block->number = ++link.last_block;
-    block->run = link.run;
-    block->used = 1;
-    unlock(&link.guard);
-    Text rest = {0};
-    text_add(&rest, ", \"memory\": %d, \"bytes\": %zu, \"" SHARED_NAME_KEY "\": ", block->number, size);
-    text_add_string(&rest, block->shared.name);
-    ServerResult result = server_call("map", &rest, NULL, NULL, why);
-    text_free(&rest);
-    shared_forget_name(&block->shared);
-    if (result != SERVER_DONE) {
-        shared_free(&block->shared);
-        free(block);
-        return result;
-    }
-    lock(&link.guard);
-    block->next = link.blocks;
-    link.blocks = block;
-    unlock(&link.guard);
-    *found = block;
-    return SERVER_DONE;
-}
-
-/* Give back memory that server_block found. */
-void server_give_back(Block *block) {
-    lock(&link.guard);
-    block->used = 0;
-    unlock(&link.guard);
-    drop_blocks(FREE_BLOCKS);
+    return run;
 }
 
 /* Have the server let go of what it holds for a session, if it runs. */
 void server_forget(const char *session) {
     char why[WHY_ROOM];
     Text rest = {0};
-    lock(&link.guard);
-    int alive = link.alive && link.greeted && link.owner == process_id();
-    unlock(&link.guard);
-    if (!alive) return;
+    if (!server_run()) return;
     text_add(&rest, ", \"session\": ");
     text_add_string(&rest, session);
     server_call("forget", &rest, NULL, NULL, why);
     text_free(&rest);
 }
-
-/* Let go of memory that nobody uses. */
-void server_purge(void) { drop_blocks(0); }

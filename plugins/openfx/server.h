@@ -22,8 +22,8 @@ typedef struct Block {
     int number;
     int run; /* which start of the server knows it */
     int used;
-    size_t result;        /* where the server was last told to write */
-    unsigned long stamp;  /* counts the changes of what lies before that place */
+    size_t result;       /* where the server was last told to write */
+    unsigned long stamp; /* counts the changes of what lies before that place */
     struct Block *next;
 } Block;
 
@@ -34,10 +34,13 @@ typedef int (*Ask)(void *asked, double done);
 void server_configure(const char *python, const char *python_path);
 ServerResult server_start(Ask ask, void *asked, char *why);
 ServerResult server_call(const char *what, const Text *rest, Ask ask, void *asked, char *why);
+int server_run(void);
+void server_forget(const char *session);
+void server_end(void);
+
+/* blocks.c */
 ServerResult server_block(size_t size, Block **block, char *why);
 void server_give_back(Block *block);
-void server_forget(const char *session);
 void server_purge(void);
-void server_end(void);
 
 #endif

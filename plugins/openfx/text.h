@@ -1,4 +1,4 @@
-/* A text that grows, and JSON: written into such a text, and read into a tree. */
+/* A text that grows, and JSON written into it. */
 
 #ifndef FLOWABS_TEXT_H
 #define FLOWABS_TEXT_H
@@ -16,25 +16,5 @@ void text_add(Text *text, const char *format, ...);
 void text_add_string(Text *text, const char *string);
 void text_add_number(Text *text, double number);
 void text_free(Text *text);
-
-typedef enum { JSON_NULL, JSON_FALSE, JSON_TRUE, JSON_NUMBER, JSON_STRING, JSON_LIST, JSON_OBJECT } JsonType;
-
-typedef struct Json {
-    JsonType type;
-    char *key;    /* in an object; else NULL */
-    char *string; /* of JSON_STRING, UTF-8 */
-    double number;
-    struct Json *first; /* of a list or an object */
-    struct Json *next;  /* beside this one, in the same list or object */
-} Json;
-
-Json *json_read(const char *chars, size_t length);
-void json_free(Json *json);
-const Json *json_get(const Json *object, const char *key);
-const char *json_string(const Json *object, const char *key, const char *otherwise);
-double json_number(const Json *object, const char *key, double otherwise);
-int json_true(const Json *object, const char *key);
-int json_count(const Json *list);
-const Json *json_at(const Json *list, int index);
 
 #endif
