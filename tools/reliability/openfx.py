@@ -29,7 +29,6 @@ from flowabs_nodes.io.read import read_image
 from flowabs_nodes.openfx import bundle
 from tools.reliability.runs import PICTURE
 
-GRAPH, OUTPUT = "abstraction", "comp"
 PATIENCE = 90.0  # seconds after which a frame counts as one that hangs
 _ALLOWED_MB = 24  # what Python itself may take more at the end: lists, freed memory
 
@@ -45,7 +44,7 @@ class Outcome:
     faults: list[str] = field(default_factory=list)
 
 
-def render_many(frames: int, kills: int, seed: int = 1, side: int = 96) -> Outcome:
+def render_many(frames: int, kills: int, seed: int = 1, side: int = 96, graph: str = "abstraction") -> Outcome:
     """Render frames with other parameters each time, while servers are killed; every third kill is one without end.
 
     Such a kill hits the server that is started for the second try as well: that frame has to fail, with a message.
@@ -63,19 +62,19 @@ def render_many(frames: int, kills: int, seed: int = 1, side: int = 96) -> Outco
     source[..., :3] = plate
     with (
         tempfile.TemporaryDirectory() as folder,
-        Session(GRAPH, cache_bytes=2**20, on_event=lambda event: None) as python,
+        Session(graph, cache_bytes=2**20, on_event=lambda event: None) as python,
     ):
         made, _ = bundle.build(Path(folder), [])
         python.given(plate=Image.from_array(source))
         host = host_module.Host(next(made.glob("Contents/*/Flowabs.ofx")))
-        instance = host.plugin(GRAPH).instance()
+        instance = host.plugin(graph).instance()
         instance.clips["Source"].connect(images.Held(source))
         instance.clips["Output"].connect(images.Held(np.zeros_like(source)))
         before: dict[str, float] = {}
         for frame in range(frames):
             if frame == 50:
                 before = _counts(processes)
-            values = {"line_width": chance.uniform(0.5, 2.5), "levels": chance.randint(4, 16)}
+            values = {"simplify": chance.uniform(0, 1), "levels": chance.randint(4, 16)}
             instance.set(**values)
             killer = _Killer(chance.uniform(0, 0.03), chance.random() < 1 / 3, processes) if frame in victims else None
             began = time.monotonic()
@@ -111,7 +110,7 @@ def _judge(
     if instance.message is not None:
         outcome.faults.append(f"frame {frame}: made, but {instance.message}")
     python.set(values)
-    if not np.array_equal(got, python.run(OUTPUT)[OUTPUT].to_array(channels="RGBA")):
+    if not np.array_equal(got, next(iter(python.run().values())).to_array(channels="RGBA")):
         outcome.faults.append(f"frame {frame}: other pixels than Python's")
 
 
@@ -166,9 +165,10 @@ def main() -> int:
     parser.add_argument("--times", type=int, default=1000, help="frames (1000)")
     parser.add_argument("--kills", type=int, default=50, help="frames whose server is killed (50)")
     parser.add_argument("--side", type=int, default=96, help="the height of the picture (96; 8K: 4320)")
+    parser.add_argument("--graph", default="abstraction", help="one with the knobs simplify and levels (abstraction)")
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
-    outcome = render_many(given.times, given.kills, given.seed, given.side)
+    outcome = render_many(given.times, given.kills, given.seed, given.side, given.graph)
     for fault in outcome.faults:
         print(fault)
     most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
