@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import sys
 
 
 def script() -> None:
@@ -18,6 +19,12 @@ def script() -> None:
         from flowabs_nodes.cli import run_process
 
         run_process()
+
+
+def main(*words: str) -> None:
+    """Run the command line on these words, and end the process: for :mod:`flowabs_nodes.engine.child_python`."""
+    sys.argv[1:] = words
+    script()
 
 
 if __name__ == "__main__":

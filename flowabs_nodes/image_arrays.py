@@ -20,7 +20,6 @@ from flowabs_nodes.image_buffer import data_type, picture_in
 from flowabs_nodes.image_channels import Channels, layout, picks
 from flowabs_nodes.image_parts import Parts, Window, with_channels
 from flowabs_nodes.port_types import PortType, pixel_type
-from flowabs_nodes.simd.read_only import read_only
 
 
 class Memory(NamedTuple):
@@ -72,11 +71,11 @@ def _pixels(picture: npt.NDArray[Any], type: PortType, said: Said) -> tuple[npt.
     if not declared.light:
         numbers = replace(numbers, encoding=None, straight=False, kept=numbers.space)
     if numbers.scaled:
-        if stored.kind != "f" and stored not in (np.uint8, np.uint16):
+        if stored.kind != "f" and not _has_white(stored):
             name = said.colorspace if said.encoding is None else said.encoding
             raise ArgumentError(f"array: expected uint8, uint16 or floats of {name}, found {stored}", parameter="array")
         return image_light.decoded(picture, numbers), numbers.kept
-    if stored in (np.uint8, np.uint16):
+    if _has_white(stored):
         white = np.iinfo(stored).max
         raise ArgumentError(
             f"array: expected {type} with white at 1, found {stored} with white at {white}",
@@ -93,6 +92,11 @@ def _pixels(picture: npt.NDArray[Any], type: PortType, said: Said) -> tuple[npt.
             parameter="array",
         )
     return image_light.decoded(picture, numbers), numbers.kept
+
+
+def _has_white(dtype: np.dtype[Any]) -> bool:
+    """Return whether a data type is one of whole numbers whose largest is white: 8 or 16 bits, in any byte order."""
+    return dtype.kind == "u" and dtype.itemsize <= 2
 
 
 def _header(
@@ -142,23 +146,29 @@ class Shown(NamedTuple):
     space: ColorSpace
 
 
-def array_of(image: Shown, said: Said, rows: str, dtype: npt.DTypeLike | None, channels: Channels | None) -> Any:
+def array_of(
+    image: Shown, said: Said, rows: str, dtype: npt.DTypeLike | None, channels: Channels | None
+) -> npt.NDArray[Any]:
     """Return an image's pixels as a host's array; a read-only view of them where nothing has to be converted."""
     declared = pixel_type(image.type)
     wanted = declared.dtype if dtype is None else data_type(dtype)
     chosen = picks(declared, image.names, channels)
     numbers = _for_host(image, said, wanted)
     first = chosen[0]
-    if (
-        wanted == image.pixels.dtype
-        and (numbers is None or (numbers.plain and numbers.space == image.space))
-        and first is not None
-        and chosen == tuple(range(first, first + len(chosen)))
-    ):
-        return read_only(picture_in(image.pixels[..., first : first + len(chosen)], None, None, None, rows, "rows"))
+    as_it_is = wanted == image.pixels.dtype and (numbers is None or _means_the_pixels(numbers, image))
+    if as_it_is and first is not None and chosen == tuple(range(first, first + len(chosen))):
+        view = picture_in(image.pixels[..., first : first + len(chosen)], None, None, None, rows, "rows")
+        view.flags.writeable = False
+        return view
     out = np.empty((*image.pixels.shape[:2], len(chosen)), wanted)
     _write(picture_in(out, None, None, None, rows, "rows"), image, chosen, numbers)
     return out
+
+
+def _means_the_pixels(numbers: image_numbers.Numbers, image: Shown) -> bool:
+    """Return whether an image's pixels are just these numbers: light of their space, under an alpha as they say."""
+    straight = numbers.straight and "A" in image.names
+    return numbers.encoding is None and numbers.space == image.space and not straight
 
 
 def fill(target: Memory, image: Shown, said: Said, channels: Channels | None) -> None:
@@ -193,7 +203,7 @@ def _for_host(image: Shown, said: Said, dtype: np.dtype[Any]) -> image_numbers.N
     numbers = image_numbers.meaning(*said, floats=dtype.kind == "f", default=image.space)
     if not pixel_type(image.type).shown:
         return None
-    if dtype.kind != "f" and dtype not in (np.uint8, np.uint16):
+    if dtype.kind != "f" and not _has_white(dtype):
         raise ArgumentError(
             f"dtype: expected uint8, uint16 or floats for a {image.type}, found {dtype}", parameter="dtype"
         )

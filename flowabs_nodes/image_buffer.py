@@ -61,7 +61,7 @@ def picture_in(
 
 def _array(memory: Any, row_bytes: int | None, dtype: npt.DTypeLike | None, name: str) -> npt.NDArray[Any]:
     """Return an array (H, W) or (H, W, C) of numbers, of what NumPy can read."""
-    picture = np.asarray(memory)
+    picture = _read(memory, name)
     if picture.ndim not in (2, 3) or picture.size == 0 or picture.dtype.kind not in "fiub":
         flat = picture.ndim == 1 or isinstance(memory, bytes | bytearray)
         raise ArgumentError(
@@ -79,12 +79,20 @@ def _array(memory: Any, row_bytes: int | None, dtype: npt.DTypeLike | None, name
     return picture
 
 
+def _read(memory: Any, name: str) -> npt.NDArray[Any]:
+    """Return whatever NumPy reads as an array; raise ArgumentError for the rest."""
+    try:
+        return np.asarray(memory)
+    except (TypeError, ValueError, RuntimeError) as error:  # a ragged list, a tensor on a graphics card
+        raise ArgumentError(f"{name}: NumPy cannot read it: {error}", code="wrong-type", parameter=name) from error
+
+
 def _raw(memory: Any, dtype: npt.DTypeLike | None, name: str) -> tuple[npt.NDArray[np.uint8], np.dtype[Any]]:
     """Return the bytes of a flat buffer, and the data type of its numbers: ``dtype``, where it holds bytes."""
     try:
         flat = memory if isinstance(memory, np.ndarray) else np.asarray(memoryview(memory))
     except (TypeError, ValueError, BufferError):  # a list, a tensor: what NumPy itself can read
-        flat = np.asarray(memory)
+        flat = _read(memory, name)
     if not flat.flags.c_contiguous:
         raise ArgumentError(
             f"expected a flat buffer without gaps between its numbers, found {flat.dtype} {flat.shape}, "

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Self, TypeVar, overload
 
 import numpy.typing as npt
 import OpenImageIO as oiio
@@ -15,6 +15,8 @@ from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.image_arrays import Memory, Said, Shown
 from flowabs_nodes.image_channels import Channels
 from flowabs_nodes.port_types import PortType
+
+Out = TypeVar("Out")
 
 
 class Exchange:
@@ -37,7 +39,7 @@ class Exchange:
     @classmethod
     def from_array(
         cls,
-        array: Any,
+        array: npt.ArrayLike,
         colorspace: ColorSpace | str | None = None,
         *,
         encoding: str | None = None,
@@ -98,6 +100,34 @@ class Exchange:
         source, said = Memory(array, shape, row_bytes, dtype, rows), Said(colorspace, encoding, alpha)
         parts, space = image_arrays.parts_of_array(source, type, channels, said, (data_window, display_window))
         return cls(*parts, colorspace=space)
+
+    @overload
+    def to_array(
+        self,
+        *,
+        colorspace: ColorSpace | str | None = None,
+        encoding: str | None = None,
+        alpha: str | None = None,
+        rows: str = "top-down",
+        dtype: npt.DTypeLike | None = None,
+        channels: Channels | None = None,
+        out: None = None,
+        row_bytes: None = None,
+    ) -> npt.NDArray[Any]: ...
+
+    @overload
+    def to_array(
+        self,
+        *,
+        colorspace: ColorSpace | str | None = None,
+        encoding: str | None = None,
+        alpha: str | None = None,
+        rows: str = "top-down",
+        dtype: npt.DTypeLike | None = None,
+        channels: Channels | None = None,
+        out: Out,
+        row_bytes: int | None = None,
+    ) -> Out: ...
 
     def to_array(
         self,

@@ -64,8 +64,14 @@ LINEAR = np.where(STORED / 255 <= 0.04045, STORED / 255 / 12.92, ((STORED / 255 
 
 @pytest.mark.parametrize(
     "array",
-    [STORED.astype(np.uint8), (STORED * 257).astype(np.uint16), STORED / 255, np.float32(STORED / 255)],
-    ids=["uint8", "uint16", "float64", "float32"],
+    [
+        STORED.astype(np.uint8),
+        (STORED * 257).astype(np.uint16),
+        (STORED * 257).astype(">u2"),
+        STORED / 255,
+        np.float32(STORED / 255),
+    ],
+    ids=["uint8", "uint16", "big-endian", "float64", "float32"],
 )
 @pytest.mark.parametrize("name", ["sRGB", "srgb_rec709_scene"])
 def test_an_array_of_srgb_is_decoded(array: np.ndarray, name: str) -> None:

@@ -110,6 +110,7 @@ FLAT = PICTURE.ravel()
     [
         ({"memory": FLAT, "shape": None}, "array", r"found float32 \(60,\) \(of a flat buffer, shape="),
         ({"memory": PICTURE.tobytes(), "shape": None}, "array", r"of a flat buffer, shape=\(height, width, channels\)"),
+        ({"memory": [[1, 2], [3]], "shape": None}, "array", "NumPy cannot read it: .*inhomogeneous"),
         ({"memory": FLAT[:-1]}, "array", r"expected 240 bytes for shape \(3, 5, 4\) of float32, found 236 bytes$"),
         ({"memory": FLAT, "shape": (3, 5, 3)}, "array", "expected 180 bytes"),
         (

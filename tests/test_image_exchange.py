@@ -101,6 +101,12 @@ def test_what_needs_no_conversion_is_a_read_only_view(rows: str, channels: Any) 
     np.testing.assert_array_equal(found[:: -1 if rows == "bottom-up" else 1], RGBA[..., picks])
 
 
+def test_without_alpha_nothing_is_straight() -> None:
+    for count in (1, 3):
+        image = Image.from_array(RGBA[..., :count])
+        assert np.shares_memory(image.to_array(alpha="straight"), image.pixels)
+
+
 def test_what_needs_one_is_a_copy_of_its_own() -> None:
     image = Image.from_array(RGBA)
     for changes in ({"alpha": "straight"}, {"dtype": "float16"}, {"channels": "BGRA"}, {"encoding": "sRGB"}):
@@ -137,6 +143,13 @@ def test_memory_with_any_strides_is_read_and_filled() -> None:
         assert image.to_array(out=view) is view
         np.testing.assert_array_equal(view, RGBA)
         np.testing.assert_array_equal(image.pixels, RGBA)
+
+
+@pytest.mark.parametrize("size", [(1, 1), (1, 70000), (3000, 1)])
+def test_pictures_of_any_size(size: tuple[int, int]) -> None:
+    codes = RANDOM.integers(1, 256, (*size, 4), np.uint8)
+    kind: dict[str, Any] = {"encoding": "sRGB", "rows": "bottom-up"}
+    np.testing.assert_array_equal(Image.from_array(codes, **kind).to_array(dtype="uint8", **kind), codes)
 
 
 # ---------------------------------------------------------------------- types that are no colour

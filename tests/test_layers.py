@@ -27,7 +27,7 @@ FLOORS = (
     ("nodes",),
     ("graph",),
     ("engine",),
-    ("cli", "testing", "submit", "one_call"),
+    ("cli", "testing", "submit", "serve", "one_call"),
     ("__main__", "reference"),
 )
 HEIGHT = {room: height for height, rooms in enumerate(FLOORS) for room in rooms}

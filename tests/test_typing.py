@@ -37,6 +37,7 @@ KNOWN = {
     "report.counts": "dict[str, int]",
     "graph.with_set({})": "RunnableGraph",
     "fa.__version__": "str",
+    "plate.to_array(out=bytearray(768))": "bytearray",
 }
 #: Expressions that are arrays of one dtype, by its name in mypy's answer.
 ARRAYS = {"out['comp'].pixels": "32", "np.asarray(plate)": "32", "drawn": "8", "fa.flat(drawn)": "8", "smooth": "32"}
@@ -47,6 +48,7 @@ filters.etff
 fa.color.encoed
 fa.load_graph(3)
 fa.Image.from_array(np.zeros(3), colorspce="sRGB")
+fa.Image.from_array(b"", shape=(1, 1, 4)).to_array(rows=1)
 graph.run(given={"plate": "plate.exr"})
 fa.lines("plate.exr")
 """

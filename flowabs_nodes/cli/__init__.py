@@ -25,6 +25,7 @@ from flowabs_nodes.cli.colorspaces import colorspaces
 from flowabs_nodes.cli.graph_listing import graphs
 from flowabs_nodes.cli.listings import nodes, schema
 from flowabs_nodes.cli.run import run
+from flowabs_nodes.cli.serve import serve
 from flowabs_nodes.cli.streams import safe_streams
 from flowabs_nodes.cli.submit import openjd_task, submit
 from flowabs_nodes.engine.error_boundary import InternalError
@@ -57,7 +58,7 @@ def cli() -> None:
     """
 
 
-for command in (run, check, nodes, schema, graphs, colorspaces, submit, openjd_task):
+for command in (run, check, nodes, schema, graphs, colorspaces, submit, openjd_task, serve):
     cli.add_command(command)
 
 

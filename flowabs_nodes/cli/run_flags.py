@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import Field, fields
 from typing import Any
 
@@ -54,7 +55,17 @@ def _click_option(option: Field[Any]) -> click.Option:
 
 def with_run_options(command: click.Command) -> click.Command:
     """Give a command an option for each field of :class:`RunOptions`, before those that it declares itself."""
-    own = [each for each in command.params if isinstance(each, click.Option)]
-    arguments = [each for each in command.params if each not in own]
-    command.params = [*arguments, *map(_click_option, fields(RunOptions)), *own]
-    return command
+    return some_run_options(*(each.name for each in fields(RunOptions)))(command)
+
+
+def some_run_options(*names: str) -> Callable[[click.Command], click.Command]:
+    """Give a command an option for each of these fields of :class:`RunOptions`, before those of its own."""
+
+    def give(command: click.Command) -> click.Command:
+        own = [each for each in command.params if isinstance(each, click.Option)]
+        arguments = [each for each in command.params if each not in own]
+        declared = [_click_option(each) for each in fields(RunOptions) if each.name in names]
+        command.params = [*arguments, *declared, *own]
+        return command
+
+    return give

@@ -6,10 +6,11 @@ import itertools
 import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
 from flowabs_nodes import stopping
+from flowabs_nodes.engine.compiler import load_compiler
 from flowabs_nodes.engine.frame_outputs import FrameOutputs
 from flowabs_nodes.engine.node_events import NodeEvents
 from flowabs_nodes.engine.plan import Result
@@ -34,8 +35,8 @@ class SessionCache:
         self._names: WeakKeyDictionary[Image, str] = WeakKeyDictionary()
         self._count = itertools.count(1)
         self._at_work = threading.Lock()
-        self._tell: Listener = _nobody
-        self._nodes = NodeEvents(lambda event: self._tell(event), types)  # knows from run to run what each costs
+        self._told = _Told()
+        self._nodes = NodeEvents(self._told.tell, types)  # knows from run to run what each costs
 
     def compute(
         self,
@@ -59,7 +60,8 @@ class SessionCache:
             The work was asked to stop, at work or while it waited.
         """
         with self._turn():
-            self._tell = tell or _nobody
+            load_compiler()
+            self._told.listener = tell or _nobody
             keys = {result: self._name(image, options.scale) for result, image in given.items()}
             images = {result: self._scaled(image, options.scale) for result, image in given.items()}
             work = FrameOutputs(graph, frame, names, images, options)
@@ -101,6 +103,16 @@ class SessionCache:
             found = scale_image(image, scale)
             self.store.put(key, found)
         return found
+
+
+class _Told:
+    """Hands events to the listener of the run at work: apart from the cache, which so goes with its last user."""
+
+    def __init__(self) -> None:
+        self.listener: Listener = _nobody
+
+    def tell(self, event: dict[str, Any]) -> None:
+        self.listener(event)
 
 
 def _nobody(event: object) -> None:

@@ -21,7 +21,17 @@ class _Ended:
     """The last message of some work: what it returned, or raised."""
 
     def __init__(self, made: Any = None, error: BaseException | None = None) -> None:
-        self.made, self.error = made, error
+        self._made, self._error = made, error
+
+    def result(self) -> Any:
+        """Return what the work returned, or raise what it raised; once."""
+        made, error, self._made, self._error = self._made, self._error, None, None
+        try:
+            if error is not None:
+                raise error
+            return made
+        finally:
+            del error  # it knows this frame: neither is to hold the other, and the images in it
 
 
 class StoppableCall(Generic[Made]):
@@ -61,9 +71,7 @@ class StoppableCall(Generic[Made]):
                     if self._flag.number is not None:
                         raise Cancelled("cancelled")
                     if isinstance(message, _Ended):
-                        if message.error is not None:
-                            raise message.error
-                        return message.made  # type: ignore[no-any-return]  # what the work returned
+                        return message.result()  # type: ignore[no-any-return]  # what the work returned
                     self._listener(message)
         except BaseException:  # Ctrl-C in this thread, or a listener's error: nobody waits any more
             self._flag.set()
@@ -77,6 +85,7 @@ class StoppableCall(Generic[Made]):
             ended = _Ended(error=error)
         if self._flag.number is None:  # else nobody asks, and the images may go
             self._messages.put(ended)
+        del ended, self._work  # which know this frame and this call, and are large
 
     def _stoppable(self) -> Made:
         """Do the work where it looks at the flag."""
