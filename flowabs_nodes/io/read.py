@@ -16,9 +16,10 @@ from flowabs_nodes.errors import ColorError, FlowabsError
 from flowabs_nodes.image import Image, Origin
 from flowabs_nodes.io import alpha as alphas
 from flowabs_nodes.io import nonfinite as nonfinites
+from flowabs_nodes.io.choose import choose_color, choose_data
 from flowabs_nodes.io.formats import Format
 from flowabs_nodes.io.image_file import open_picture
-from flowabs_nodes.io.layers import Selection, choose_color, choose_data
+from flowabs_nodes.io.layers import Selection
 from flowabs_nodes.io.orientation import upright
 from flowabs_nodes.io.provenance import without_stamps
 from flowabs_nodes.io.settings import Settings, checked
@@ -129,6 +130,8 @@ def read_data(
     try:
         with open_picture(name, settings) as file:
             chosen = choose_data(file.specs, layer, part)
+            if chosen.note:
+                note(chosen.note)
             source = file.specs[chosen.part]
             pixels = file.read(chosen.part, chosen.channels)
     except FlowabsError as error:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from flowabs_nodes.io.passes import Layer, layers_of, plain_name
-from tests.io.test_layers import spec
+from flowabs_nodes.io.layer_groups import Layer, layers_of
+from flowabs_nodes.io.pass_names import plain_name
+from tests.io.test_choose import spec
 
 
 @pytest.mark.parametrize(

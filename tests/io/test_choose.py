@@ -6,7 +6,8 @@ import OpenImageIO as oiio
 import pytest
 
 from flowabs_nodes.errors import ReadError
-from flowabs_nodes.io.layers import choose_color, choose_data, layer_of
+from flowabs_nodes.io.choose import choose_color, choose_data
+from flowabs_nodes.io.layers import layer_of
 
 
 def spec(*channels: str, name: str = "", deep: bool = False) -> oiio.ImageSpec:
@@ -158,10 +159,22 @@ def layers(*names: str) -> list[str]:
     return [f"{name}.{channel}" for name in names for channel in "RGB"]
 
 
-def test_the_compositors_picture_goes_before_the_render() -> None:
-    chosen = choose_color([spec(*layers("ViewLayer.Combined", "Composite.Combined", "ViewLayer.Normal"))])
-    assert chosen.layer == "Composite.Combined"
+def test_the_only_view_layer_goes_before_the_compositors_picture() -> None:
+    both = [spec(*layers("ViewLayer.Combined", "Composite.Combined", "ViewLayer.Normal"))]
+    chosen = choose_color(both)
+    assert chosen.layer == "ViewLayer.Combined"
     assert "one of 3" in chosen.note
+    assert choose_color(both, "Composite").layer == "Composite.Combined"
+    assert choose_color([spec(*layers("Composite.Combined"))]).layer == "Composite.Combined"
+
+
+def test_of_several_view_layers_and_a_composite_none_is_chosen() -> None:
+    made = [spec(*layers("A.Combined", "Composite.Combined", "B.b.Combined", "A.Diffuse Color"))]
+    with pytest.raises(ReadError, match=r"layer: 'A\.Combined' or 'Composite.*' or 'B\.b\.Combined'; ") as caught:
+        choose_color(made)
+    assert caught.value.code == "ambiguous-layer"
+    assert choose_color(made, "A").layer == "A.Combined"
+    assert choose_color(made, "B.b").layer == "B.b.Combined"
 
 
 def test_a_layer_named_as_a_picture_is_read() -> None:
