@@ -1,4 +1,4 @@
-"""What pip installs is what a run imports: neither SciPy nor colour-science, which are large, and no package in secret."""
+"""What pip installs is what a run imports: not SciPy and colour-science, which are large, and no package in secret."""
 
 from __future__ import annotations
 
