@@ -7,7 +7,6 @@ import pytest
 
 from flowabs_nodes.errors import ReadError
 from flowabs_nodes.io.choose import choose_color, choose_data
-from flowabs_nodes.io.layers import layer_of
 
 
 def spec(*channels: str, name: str = "", deep: bool = False) -> oiio.ImageSpec:
@@ -130,10 +129,6 @@ def test_hostile_names_do_not_reach_the_terminal() -> None:
         choose_color([spec("\x1b[2J", *(f"c{i}" for i in range(500)), "x" * 5000)])
     assert str(caught.value).isprintable()
     assert len(str(caught.value)) < 500
-
-
-def test_layer_of() -> None:
-    assert [layer_of(name) for name in ("diffuse.R", "a.b.R", "Z", "R", "A")] == ["diffuse", "a.b", "Z", "", ""]
 
 
 @pytest.mark.parametrize(
