@@ -48,9 +48,9 @@ def read_image(
     Parameters
     ----------
     layer
-        "" is the plain R, G, B[, A] (or grey Y) of the part whose name is most like a picture's, else the only layer that
-        is named as a picture; else a layer ("Fg.Combined"), a pass by its last name ("Diffuse Color", "albedo"), or a
-        view layer or view whose picture is meant ("Fg", "right", "Fg.right").
+        "" is the plain R, G, B[, A] (or grey Y) of the part whose name is most like a picture's, else the only layer
+        that is named as a picture. Else a layer's name ("Fg.Combined"), a pass by its last name ("Diffuse Color",
+        "albedo"), or a view layer or view whose picture is meant ("Fg", "right", "Fg.right").
     part
         The part of a multi-part file, by index or name, or the view whose parts are meant; "" looks through all.
     colorspace
