@@ -1,14 +1,10 @@
-"""Every number that comes from colour-science, written out, because importing colour-science takes about a second.
+"""Every number that comes from colour-science, written out, so that no run needs colour-science, nor SciPy with it.
 
-``python -m flowabs_nodes.color.constants`` compares them with the installed colour-science and prints differences; a
-test does the same.
+In a checkout ``python -m tools.colour_science`` compares them with the installed colour-science; a test does the same.
 """
 
 from __future__ import annotations
 
-import math
-import warnings
-from collections.abc import Sequence
 from typing import Final
 
 Matrix = tuple[float, float, float, float, float, float, float, float, float]
@@ -110,42 +106,3 @@ ACESCCT_WHITE: Final = ACESCCT_OFFSET / ACESCCT_SCALE
 #: CIE 1976 L*a*b* (CIE 15:2004): above ``LAB_EPSILON`` f is the cube root, below it (LAB_KAPPA x + 16) / 116.
 LAB_EPSILON: Final = 216 / 24389
 LAB_KAPPA: Final = 24389 / 27
-
-
-def differences() -> list[str]:
-    """Return a line for each number that differs by more than 1e-12 from the installed colour-science's."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # about optional packages
-        import colour
-        from colour.models.rgb.transfer_functions.aces import CONSTANTS_ACES_CCT
-
-    cct = CONSTANTS_ACES_CCT
-    lightness = colour.colorimetry.intermediate_lightness_function_CIE1976
-    pairs: dict[str, tuple[Sequence[float], Sequence[float]]] = {
-        "BRADFORD": (BRADFORD, colour.CHROMATIC_ADAPTATION_TRANSFORMS["Bradford"].ravel()),
-        "ACESCCT_X_BRK, Y_BRK, A, B": (
-            (ACESCCT_X_BRK, ACESCCT_Y_BRK, ACESCCT_A, ACESCCT_B),
-            (cct.X_BRK, cct.Y_BRK, cct.A, cct.B),
-        ),
-        "ACEScct of 1 and 2": (
-            (ACESCCT_WHITE, (1 + ACESCCT_OFFSET) / ACESCCT_SCALE),
-            (colour.models.log_encoding_ACEScct(1.0), colour.models.log_encoding_ACEScct(2.0)),
-        ),
-        "CIE f of 0, LAB_EPSILON and 1": (
-            (16 / 116, (LAB_KAPPA * LAB_EPSILON + 16) / 116, 1.0),
-            (lightness(0.0, 1.0), lightness(LAB_EPSILON, 1.0), lightness(1.0, 1.0)),
-        ),
-    }
-    for name, matrix in RGB_TO_XYZ.items():
-        space = colour.RGB_COLOURSPACES[name]
-        pairs[f"RGB_TO_XYZ of {name}"] = matrix, space.matrix_RGB_to_XYZ.ravel()
-        pairs[f"CHROMATICITIES of {name}"] = CHROMATICITIES[name], (*space.primaries.ravel(), *space.whitepoint)
-    return [
-        f"{what}: {tuple(ours)} here, {tuple(map(float, theirs))} in colour-science {colour.__version__}"
-        for what, (ours, theirs) in pairs.items()
-        if not all(math.isclose(a, b, rel_tol=0, abs_tol=1e-12) for a, b in zip(ours, theirs, strict=True))
-    ]
-
-
-if __name__ == "__main__":
-    print("\n".join(differences()) or "every number is colour-science's")

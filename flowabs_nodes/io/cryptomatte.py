@@ -18,8 +18,8 @@ import OpenImageIO as oiio
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ReadError
 from flowabs_nodes.io.image_file import PictureFile
+from flowabs_nodes.io.layer_groups import Layer
 from flowabs_nodes.io.layers import Selection, check_windows
-from flowabs_nodes.io.passes import Layer
 
 _PREFIX = "cryptomatte/"
 _LEVEL = re.compile(r"(.*)(\d\d)")
@@ -51,7 +51,7 @@ def base_name(layer: str) -> str:
 
 def first_level(layer: Layer) -> tuple[str, ...] | None:
     """Return the four channels of a Cryptomatte's first level; None for any other layer."""
-    return layer.vector(4) if layer.name.endswith("00") else None
+    return layer.vector(4) if layer.base.endswith("00") else None
 
 
 def majority(file: PictureFile, layers: Iterable[Layer], chosen: Selection) -> Ids:
@@ -60,11 +60,15 @@ def majority(file: PictureFile, layers: Iterable[Layer], chosen: Selection) -> I
     The background, id 0, has what all ids of all levels leave of a pixel, and wins where that is more than the first id
     has. Raises ReadError where the channels are not 32-bit floats, which alone keep ids.
     """
-    base = base_name(chosen.layer)
+    layers = list(layers)
+    first = next(layer for layer in layers if (layer.part, layer.name) == (chosen.part, chosen.layer))
+    base = base_name(first.base)
     further = [
         Selection(layer.part, layer.name, channels)
         for layer in layers
-        if base_name(layer.name) == base and layer.name not in (base, chosen.layer) and (channels := layer.vector(4))
+        if (base_name(layer.base), layer.view) == (base, first.view)
+        and layer.base not in (base, first.base)
+        and (channels := layer.vector(4))
     ]
     check_windows(file.specs, [chosen, *further])
     ids, covered, total = _level(file, chosen.part, chosen.channels)

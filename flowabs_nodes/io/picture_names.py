@@ -23,14 +23,14 @@ OTHERS = frozenset(
 def rank(name: str) -> tuple[int, int]:
     """Return a sort key for a part's or layer's name: pictures first, what is known to be none last.
 
-    "ViewLayer.Combined.left" and "beauty_v02" are judged by their words; of two equal ones Blender's "Composite", what
-    its compositor made, goes before the render.
+    "ViewLayer.Combined.left" and "beauty_v02" are judged by their words; of two equal ones the render goes before
+    Blender's "Composite", what its compositor made, to which the passes do not belong.
     """
     words = [word for word in re.split(r"[^a-z]+", re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name).lower()) if word]
     joined = re.sub(r"[^a-z]", "", name.rpartition(".")[2].lower())
     best = min((PICTURES.index(word) for word in words if word in PICTURES), default=len(PICTURES))
     if best < len(PICTURES):
-        return best, 0 if "composite" in words else 1
+        return best, 1 if "composite" in words else 0
     known = joined in OTHERS or any(word in OTHERS for word in words)
     return len(PICTURES) + known, 1
 

@@ -16,9 +16,10 @@ from flowabs_nodes.errors import ColorError, FlowabsError
 from flowabs_nodes.image import Image, Origin
 from flowabs_nodes.io import alpha as alphas
 from flowabs_nodes.io import nonfinite as nonfinites
+from flowabs_nodes.io.choose import choose_color, choose_data
 from flowabs_nodes.io.formats import Format
 from flowabs_nodes.io.image_file import open_picture
-from flowabs_nodes.io.layers import Selection, choose_color, choose_data
+from flowabs_nodes.io.layers import Selection
 from flowabs_nodes.io.orientation import upright
 from flowabs_nodes.io.provenance import without_stamps
 from flowabs_nodes.io.settings import Settings, checked
@@ -47,9 +48,11 @@ def read_image(
     Parameters
     ----------
     layer
-        "" is the plain R, G, B[, A] (or grey Y) of the first part that has them; else a layer's name.
+        "" is the plain R, G, B[, A] (or grey Y) of the part whose name is most like a picture's, else the only layer
+        that is named as a picture. Else a layer's name ("Fg.Combined"), a pass by its last name ("Diffuse Color",
+        "albedo"), or a view layer or view whose picture is meant ("Fg", "right", "Fg.right").
     part
-        The part of a multi-part file, by index or name; "" looks through all.
+        The part of a multi-part file, by index or name, or the view whose parts are meant; "" looks through all.
     colorspace
         "auto" asks the file (:func:`flowabs_nodes.color.detect`); else any OCIO name, or "cineon".
     alpha
@@ -129,6 +132,8 @@ def read_data(
     try:
         with open_picture(name, settings) as file:
             chosen = choose_data(file.specs, layer, part)
+            if chosen.note:
+                note(chosen.note)
             source = file.specs[chosen.part]
             pixels = file.read(chosen.part, chosen.channels)
     except FlowabsError as error:

@@ -13,11 +13,13 @@ from flowabs_nodes.errors import ReadError
 from flowabs_nodes.image import Image
 from flowabs_nodes.io import cryptomatte, passes
 from flowabs_nodes.io.image_file import PictureFile
+from flowabs_nodes.io.layer_groups import Layer, inside_of, of_default_view
 from flowabs_nodes.io.layers import Selection
-from flowabs_nodes.io.passes import Layer
+from flowabs_nodes.io.pass_names import CRYPTOMATTE, ID, plain_name
 from flowabs_nodes.io.read import Say, quiet
-from flowabs_nodes.io.read_passes import grey, image_of, opened
+from flowabs_nodes.io.read_passes import grey, image_of, opened, say_which
 from flowabs_nodes.io.settings import Settings
+from flowabs_nodes.io.views import split_view, views_in
 from flowabs_nodes.port_types import TYPES
 
 
@@ -33,48 +35,60 @@ def read_id(
     """Read an id pass: an id image, uint32, and as a mono the part of each pixel that its id covers, 0 to 1.
 
     ``layer`` "" takes the Cryptomatte of objects, else a channel of whole numbers, by the usual names
-    (:data:`flowabs_nodes.io.passes.CRYPTOMATTE` and ``ID``), else the file's only Cryptomatte. Of a Cryptomatte the id
-    that covers most of a pixel is taken, 0 where the background does; its manifest goes along as metadata. Whole
+    (:data:`flowabs_nodes.io.pass_names.CRYPTOMATTE` and ``ID``), else the file's only Cryptomatte. Of a Cryptomatte the
+    id that covers most of a pixel is taken, 0 where the background does; its manifest goes along as metadata. Whole
     numbers may be stored as uint, float or half; their coverage is 1, and -1 becomes 4294967295. Raises ReadError as
     :func:`read_depth`, and where a channel's numbers are not whole.
     """
     with opened(path, settings, part) as (file, layers):
         known = cryptomatte.declared(file.specs)
         chosen = _id_layer(file, layers, layer, known)
-        if not layer:
-            note(f"layer {chosen.layer!r} is read")
+        say_which(chosen, layer, note)
         if len(chosen.channels) == 4:
             ids, coverage = cryptomatte.majority(file, layers, chosen)
         else:
             planes = file.read_native(chosen.part, chosen.channels)
             ids = _whole(grey(np.stack([planes[name] for name in chosen.channels], axis=2), chosen))[..., 0]
             coverage = np.ones(ids.shape, np.float32)
-        manifest = known.get(cryptomatte.base_name(chosen.layer), {}) if len(chosen.channels) == 4 else {}
+        name = cryptomatte.base_name(split_view(chosen.layer, views_in(file.specs))[0])
+        manifest = known.get(name, {}) if len(chosen.channels) == 4 else {}
         return image_of(file, chosen, "id", ids, manifest), image_of(file, chosen, "mono", coverage, manifest)
 
 
 def _id_layer(file: PictureFile, layers: Sequence[Layer], layer: str, known: dict[str, dict[str, Any]]) -> Selection:
     """Return four channels of a Cryptomatte's first level, or the channel of whole numbers, to read ids from."""
     bases = set(known) | {
-        cryptomatte.base_name(each.name)
+        cryptomatte.base_name(each.base)
         for each in layers
-        if passes.plain_name(each.name).startswith("crypto") and cryptomatte.first_level(each)
+        if plain_name(each.base).startswith("crypto") and cryptomatte.first_level(each)
     }
-    levels = [each for each in layers if cryptomatte.base_name(each.name) in bases and cryptomatte.first_level(each)]
+    levels = [each for each in layers if cryptomatte.base_name(each.base) in bases and cryptomatte.first_level(each)]
     if layer:
-        wanted = cryptomatte.base_name(layer)
+        base, view = split_view(layer, views_in(file.specs))
+        wanted = cryptomatte.base_name(base)
         if any(wanted in (base, base.rpartition(".")[2]) for base in bases):
-            names = passes.CRYPTOMATTE
-            return passes.find_named(file.specs, levels, wanted + "00", names, cryptomatte.first_level)
-        return passes.find_named(file.specs, layers, layer, passes.ID, Layer.single)
-    found = passes.find_usual(file.specs, levels, passes.CRYPTOMATTE, cryptomatte.first_level)
-    found = found or passes.find_usual(file.specs, layers, passes.ID, Layer.single)
-    if found is None and len(levels) == 1:
-        found = Selection(levels[0].part, levels[0].name, cryptomatte.first_level(levels[0]) or ())
+            first = f"{wanted}00" + (f".{view}" if view else "")
+            return passes.find_named(file.specs, levels, first, CRYPTOMATTE, cryptomatte.first_level)
+        inside = inside_of(file.specs, layers, layer, Layer.single)
+        found = _usual(file, inside, [each for each in levels if each in inside])
+        return found or passes.find_named(file.specs, layers, layer, ID, Layer.single)
+    found = _usual(file, layers, levels)
     if found is None:
-        usual = (*passes.CRYPTOMATTE.usual, *passes.ID.usual)
-        raise passes.missing(file.specs, layers, passes.ID._replace(usual=usual))
+        usual = (*CRYPTOMATTE.usual, *ID.usual)
+        raise passes.missing(file.specs, layers, ID._replace(usual=usual))
     return found
+
+
+def _usual(file: PictureFile, layers: Sequence[Layer], levels: Sequence[Layer]) -> Selection | None:
+    """Return the Cryptomatte of objects, else an id pass, else the only Cryptomatte; None where there is none."""
+    found = passes.find_usual(file.specs, levels, CRYPTOMATTE, cryptomatte.first_level)
+    found = found or passes.find_usual(file.specs, layers, ID, Layer.single)
+    if found:
+        return found
+    here, said = of_default_view(file.specs, levels)
+    return (
+        Selection(here[0].part, here[0].name, cryptomatte.first_level(here[0]) or (), said) if len(here) == 1 else None
+    )
 
 
 def _whole(numbers: npt.NDArray[Any]) -> npt.NDArray[Any]:

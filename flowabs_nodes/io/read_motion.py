@@ -11,14 +11,18 @@ from flowabs_nodes.array_types import Array
 from flowabs_nodes.image import Image
 from flowabs_nodes.io import passes
 from flowabs_nodes.io.image_file import PictureFile
+from flowabs_nodes.io.layer_groups import Layer, inside_of
 from flowabs_nodes.io.layers import Selection, check_windows
-from flowabs_nodes.io.passes import Layer
+from flowabs_nodes.io.pass_names import MOTION, MOTION_BACKWARD, MOTION_FORWARD, plain_name
 from flowabs_nodes.io.read import Say, quiet
-from flowabs_nodes.io.read_passes import HALF_MAX, image_of, is_half, opened
+from flowabs_nodes.io.read_passes import HALF_MAX, image_of, is_half, opened, say_which
 from flowabs_nodes.io.settings import Settings
+from flowabs_nodes.io.views import split_view, views_in
 
 #: A vector of Blender's that is as long as this, or longer, stands where there is no surface to move.
 NO_MOTION = 3e5
+#: X and Y, and Z and W, of Blender's where it rendered nothing: outside of a render region.
+NOT_RENDERED = 1e4
 
 
 def read_motion(
@@ -33,7 +37,7 @@ def read_motion(
 ) -> Image:
     """Read a motion pass as a motion image: pixels, y up, in Blender's convention whatever the file's is.
 
-    ``layer`` "" finds the layer by the usual names (:data:`flowabs_nodes.io.passes.MOTION`), or the two layers of
+    ``layer`` "" finds the layer by the usual names (:data:`flowabs_nodes.io.pass_names.MOTION`), or the two layers of
     RenderMan (motionBack, motionFore) and Nuke (backward, forward).
 
     Parameters
@@ -44,15 +48,15 @@ def read_motion(
         opposite. "auto" takes X, Y, Z, W for "blender", a layer motionBack or backward for "backward", others for
         "forward".
 
-    Where Blender found no surface it writes vectors of 3e5 and more (65504 in a half channel): these, NaN and Inf
-    become 0, and ``note`` is told how many. Raises ReadError as :func:`read_depth`.
+    Where Blender found no surface it writes vectors of 3e5 and more (65504 in a half channel), and outside of a render
+    region 1e4 and 1e4: these, NaN and Inf become 0, and ``note`` is told how many. Raises ReadError as
+    :func:`read_depth`.
     """
     with opened(path, settings, part) as (file, layers):
         ways = _ways(file, layers, layer, convention)
         found: dict[str, Array] = {}
         for way, chosen in ways.items():
-            if not layer:
-                note(f"layer {chosen.layer!r} is read, as {way}")
+            say_which(chosen, layer, note, f", as {way}")
             found[way] = _moving(file.read(chosen.part, chosen.channels), is_half(file, chosen), note)
         if "blender" in found:
             pixels = found["blender"]
@@ -74,24 +78,29 @@ def _ways(file: PictureFile, layers: Sequence[Layer], layer: str, convention: st
     def way(chosen: Selection) -> str:
         if convention != "auto":
             return convention
-        back = passes.plain_name(chosen.layer) in passes.MOTION_BACKWARD.usual
+        base = split_view(chosen.layer, views_in(file.specs))[0]
+        back = plain_name(base) in MOTION_BACKWARD.usual
         return "blender" if len(chosen.channels) == 4 else "backward" if back else "forward"
 
+    def usual(layers: Sequence[Layer]) -> dict[str, Selection]:
+        if both := passes.find_usual(file.specs, layers, MOTION, pick):
+            return {way(both): both}
+        return {
+            name: found
+            for name, names in (("backward", MOTION_BACKWARD), ("forward", MOTION_FORWARD))
+            if convention in ("auto", name) and (found := passes.find_usual(file.specs, layers, names, pick))
+        }
+
     if layer:
-        chosen = passes.find_named(file.specs, layers, layer, passes.MOTION, pick)
+        if ways := usual(inside_of(file.specs, layers, layer, pick)):
+            return ways
+        chosen = passes.find_named(file.specs, layers, layer, MOTION, pick)
         return {way(chosen): chosen}
-    both = passes.find_usual(file.specs, layers, passes.MOTION, pick)
-    if both:
-        return {way(both): both}
-    single = {
-        name: found
-        for name, names in (("backward", passes.MOTION_BACKWARD), ("forward", passes.MOTION_FORWARD))
-        if convention in ("auto", name) and (found := passes.find_usual(file.specs, layers, names, pick))
-    }
-    if not single:
-        usual = (*passes.MOTION.usual, *passes.MOTION_FORWARD.usual, *passes.MOTION_BACKWARD.usual)
-        raise passes.missing(file.specs, layers, passes.MOTION._replace(usual=usual))
-    return single
+    ways = usual(layers)
+    if not ways:
+        names = (*MOTION.usual, *MOTION_FORWARD.usual, *MOTION_BACKWARD.usual)
+        raise passes.missing(file.specs, layers, MOTION._replace(usual=names))
+    return ways
 
 
 def _moving(pixels: Array, half: bool, note: Say) -> Array:
@@ -99,6 +108,7 @@ def _moving(pixels: Array, half: bool, note: Say) -> Array:
     pairs = pixels.reshape(*pixels.shape[:2], -1, 2)
     with np.errstate(invalid="ignore"):
         known = np.asarray((np.abs(pairs) < (HALF_MAX if half else NO_MOTION)).all(axis=3, keepdims=True))
+        known &= (pairs != NOT_RENDERED).any(axis=3, keepdims=True)
     still = np.count_nonzero(~known[..., 0].all(axis=2))
     if not still:
         return pixels

@@ -15,8 +15,9 @@ from flowabs_nodes.errors import FlowabsError, ReadError
 from flowabs_nodes.image import Image, Origin
 from flowabs_nodes.io import passes
 from flowabs_nodes.io.image_file import PictureFile, open_picture
+from flowabs_nodes.io.layer_groups import Layer, Pick, layers_of
 from flowabs_nodes.io.layers import Selection
-from flowabs_nodes.io.passes import Layer, Names, Pick
+from flowabs_nodes.io.pass_names import DEPTH, NORMAL, Names
 from flowabs_nodes.io.read import Say, quiet, selected_spec
 from flowabs_nodes.io.settings import Settings, checked
 from flowabs_nodes.port_types import FAR, TYPES
@@ -36,13 +37,13 @@ def read_depth(
 ) -> Image:
     """Read a depth pass as a depth image: the numbers in the file, in scene units, always finite.
 
-    ``layer`` "" finds the layer by the usual names (:data:`flowabs_nodes.io.passes.DEPTH`). The background becomes
+    ``layer`` "" finds the layer by the usual names (:data:`flowabs_nodes.io.pass_names.DEPTH`). The background becomes
     1e10, as Blender has it: whatever is 1e10 or more, Inf, and 65504, the largest half, in a half channel. ``note`` is
     told how many pixels these are, ``warn`` of NaN, which count as background too. Raises ReadError as
     :func:`~flowabs_nodes.io.read.read_image`, and where no layer, or more than one, could be meant.
     """
     with opened(path, settings, part) as (file, layers):
-        chosen = chosen_layer(file, layers, layer, passes.DEPTH, Layer.single, note)
+        chosen = chosen_layer(file, layers, layer, DEPTH, Layer.single, note)
         pixels = grey(file.read(chosen.part, chosen.channels), chosen)
         half = is_half(file, chosen)
         nans = int(np.isnan(pixels).sum())
@@ -66,11 +67,11 @@ def read_normal(
 ) -> Image:
     """Read a normal pass as a normal image: the numbers in the file, in the renderer's own space.
 
-    ``layer`` "" finds the layer by the usual names (:data:`flowabs_nodes.io.passes.NORMAL`). A normal with NaN or Inf
-    becomes 0, 0, 0, and ``warn`` is told how many there are. Raises ReadError as :func:`read_depth`.
+    ``layer`` "" finds the layer by the usual names (:data:`flowabs_nodes.io.pass_names.NORMAL`). A normal with NaN or
+    Inf becomes 0, 0, 0, and ``warn`` is told how many there are. Raises ReadError as :func:`read_depth`.
     """
     with opened(path, settings, part) as (file, layers):
-        chosen = chosen_layer(file, layers, layer, passes.NORMAL, lambda each: each.vector(3), note)
+        chosen = chosen_layer(file, layers, layer, NORMAL, lambda each: each.vector(3), note)
         pixels = file.read(chosen.part, chosen.channels)
         whole = np.isfinite(pixels).all(axis=2, keepdims=True)
         broken = pixels.shape[0] * pixels.shape[1] - np.count_nonzero(whole)
@@ -92,7 +93,7 @@ def opened(
     name = os.fspath(checked(path, settings))
     try:
         with open_picture(name, settings) as file:
-            yield file, passes.layers_of(file.specs, part)
+            yield file, layers_of(file.specs, part)
     except FlowabsError as error:
         error.at(file=name)
         raise
@@ -103,12 +104,22 @@ def chosen_layer(
 ) -> Selection:
     """Return the channels of the layer that is asked for, or of the one with a usual name. Raises ReadError."""
     if layer:
-        return passes.find_named(file.specs, layers, layer, names, pick)
-    chosen = passes.find_usual(file.specs, layers, names, pick)
-    if chosen is None:
-        raise passes.missing(file.specs, layers, names)
-    note(f"layer {chosen.layer!r} is read")
+        chosen = passes.find_named(file.specs, layers, layer, names, pick)
+    else:
+        usual = passes.find_usual(file.specs, layers, names, pick)
+        if usual is None:
+            raise passes.missing(file.specs, layers, names)
+        chosen = usual
+    say_which(chosen, layer, note)
     return chosen
+
+
+def say_which(chosen: Selection, asked: str, note: Say, how: str = "") -> None:
+    """Tell ``note`` which layer is read where it is not the one asked for, and which view of a stereo file."""
+    if chosen.layer != asked:
+        note(f"layer {chosen.layer!r} is read{how}")
+    if chosen.note:
+        note(chosen.note)
 
 
 def is_half(file: PictureFile, chosen: Selection) -> bool:

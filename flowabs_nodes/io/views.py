@@ -1,12 +1,13 @@
-"""Know the views of a stereo file: those of one part, by the attribute multiView and the channels' names (OpenEXR).
+"""Know the views of a stereo file, by its attributes and the channels' names (OpenEXR).
 
-The first view of multiView is the default: its channels have plain names, R, G, B. Those of another view have its name
-before the last dot: "left.R", "diffuse.left.R".
+In one part the attribute multiView names them. The first is the default: its channels have plain names, R, G, B. Those
+of another view have its name before the last dot: "left.R", "diffuse.left.R". Blender 4.5 gives it to the default view
+too: "ViewLayer.Depth.left.Z". Of several parts, each has the attribute view.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import OpenImageIO as oiio
 
@@ -17,6 +18,33 @@ def views_of(spec: oiio.ImageSpec) -> tuple[str, ...]:
     """Return the views that a header names, the default first; () where it names none."""
     value = spec.getattribute("multiView")
     return tuple(str(each) for each in value) if isinstance(value, tuple | list) else ()
+
+
+def part_view(spec: oiio.ImageSpec) -> str:
+    """Return the view that a whole part belongs to; "" where its header names none."""
+    return str(spec.get_string_attribute("view"))
+
+
+def views_in(specs: Sequence[oiio.ImageSpec]) -> tuple[str, ...]:
+    """Return the views of a file, the default first; () where it has none.
+
+    They are those of multiView, else those that the parts name, else left and right where layers of both are there.
+    """
+    for spec in specs:
+        if views := views_of(spec):
+            return views
+    named = tuple(dict.fromkeys(view for spec in specs if (view := part_view(spec))))
+    if len(named) > 1:
+        return named
+    layers = {channel.rpartition(".")[0] for spec in specs for channel in spec.channelnames}
+    both = any(split_view(layer, ("left",))[1] and layer[: -len("left")] + "right" in layers for layer in layers)
+    return ("left", "right") if both else ()
+
+
+def split_view(layer: str, views: tuple[str, ...]) -> tuple[str, str]:
+    """Return a layer's name without its view, and the view: ("Fg.Depth", "left") of "Fg.Depth.left", ("", "left")."""
+    before, _, last = layer.rpartition(".")
+    return (before, last) if last in views else (layer, "")
 
 
 def view_of(channel: str, views: tuple[str, ...]) -> str:

@@ -79,7 +79,7 @@ READ = Node(
         Param.file(
             "file", role="input", pictures=True, help="File or sequence: plate.exr, plate.####.exr, plate.%04d.exr."
         ),
-        layer_param('Layer to read: "" is the plain R, G, B, A.'),
+        layer_param('Layer: "" is the plain R, G, B, A; else its name, a pass (albedo), view layer or eye (right).'),
         part_param(
             'Part of a multi-part EXR, by name or number: "" is rgba, beauty or Combined, else the first with R, G, B.'
         ),
@@ -115,6 +115,10 @@ READ = Node(
             "unless they say otherwise: by an ICC profile (curves and primaries; a table of colours is passed over, as",
             "the log says), and a PNG by cICP, gAMA and cHRM. White of PQ and HLG becomes 1 (203 cd/m2, the code .75).",
             "Of several parts with colour, one named rgba, beauty or Combined goes first; the log says which is read.",
+            "A render of Blender's is read from its only view layer, not from what its compositor made of it; of",
+            "several view layers, name one: Fg. Of a stereo file the first view is read, else the one that is named:",
+            "right, Fg.right, Fg.Combined.right. A pass may go by its last name, DiffCol, whichever version wrote it:",
+            "old and new names of Blender's passes are the same; albedo is found under any of its usual names.",
             "Frame -1 may be called -001 or -0001; the log names files whose number has another width than the token.",
             "A file that has the very name, such as icon@2x.png, is that file.",
             *(format.help for format in formats.ALL if format.help),

@@ -11,11 +11,13 @@ from flowabs_nodes.nodes.read import MISSING_PARAM, layer_param, part_param
 
 #: What the nodes of this file have in common.
 FILE = Param.file("file", role="input", pictures=True, help="File or sequence: render.exr, render.####.exr.")
-LAYER = layer_param('Layer ("ViewLayer.Depth", or "Depth"), channel, or part: "" finds it by its usual name.')
+LAYER = layer_param('Layer ("ViewLayer.Depth", "Depth"), view layer, eye, channel or part: "" finds its usual name.')
 PART = part_param('Part of a multi-part EXR, by name or number: "" looks through all.')
 _COMPARED = (
     "Names are compared without the view layer in front, without VRay, case, spaces and underscores. Where several "
-    "layers could be meant, or none, the error lists what the file has."
+    "layers could be meant, or none, the error lists what the file has. A view layer's name (Fg), an eye's (right) or "
+    "both (Fg.right) mean the pass in there, as they mean the picture for `read`; of a stereo file the first eye is "
+    "read."
 )
 
 
@@ -100,7 +102,7 @@ READ_MOTION = Node(
         "Usual names: Vector (Blender), motionvector (Arnold, Karma), velocity (V-Ray), motionFore and motionBack "
         f"(RenderMan), forward and backward (Nuke). {_COMPARED} Of a file that knows one way only, the other way is "
         "taken for the opposite. Vectors of 3e5 and more (in a half channel 65504), which Blender writes where there "
-        "is no surface, become 0."
+        "is no surface, become 0, and so do those of 1e4, 1e4, which stand outside of its render region."
     ),
 )
 

@@ -5,6 +5,7 @@ This module imports no numba.
 
 from __future__ import annotations
 
+import sys
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -14,6 +15,8 @@ NUMBA = ">=0.60,<0.69"  #: As pyproject.toml has it: the oldest and the newest t
 
 #: Whose functions run while kernels are compiled, and never later.
 _BUILDERS = {"lanes.py", "memory.py", "avx512.py"}
+#: colour-science 0.4.7 runs without SciPy by this.
+_STAND_IN = "a package, such as colour-science, put a stand-in for SciPy into sys.modules: pip install scipy"
 
 
 class NumbaError(FlowabsError):
@@ -32,9 +35,16 @@ def misfit(error: BaseException) -> NumbaError | None:
         file = Path(code.co_filename)
         if file.parent == Path(__file__).parent and (code.co_name == "<module>" or file.name in _BUILDERS):
             there = " and ".join(f"{name} {_version(name)}" for name in ("numba", "llvmlite"))
-            return NumbaError(f"kernels cannot be built with {there} ({error})", hint=f"works with numba{NUMBA}")
+            hint = _STAND_IN if _scipy_is_a_stand_in() else f"works with numba{NUMBA}"
+            return NumbaError(f"kernels cannot be built with {there} ({error})", hint=hint)
         place = place.tb_next
     return None
+
+
+def _scipy_is_a_stand_in() -> bool:
+    """Return whether SciPy counts as imported and comes from no file: numba asks it for its version, and fails."""
+    scipy = sys.modules.get("scipy")
+    return scipy is not None and not getattr(scipy, "__file__", None)
 
 
 def _version(package: str) -> str:

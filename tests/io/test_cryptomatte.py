@@ -11,7 +11,7 @@ import pytest
 from flowabs_nodes.io.cryptomatte import base_name, declared
 from flowabs_nodes.io.read_id import read_id
 from tests.io.files import exr, parts
-from tests.io.test_layers import spec
+from tests.io.test_choose import spec
 
 
 def level(*pixels: tuple[int, float, int, float]) -> dict[str, np.ndarray]:

@@ -31,5 +31,5 @@ def test_names_that_say_nothing_are_between(name: str) -> None:
     assert rank("rgba") < rank("beauty") < rank("Combined") < rank(name) < rank("N")
 
 
-def test_what_the_compositor_made_goes_first() -> None:
-    assert rank("Composite.Combined") < rank("ViewLayer.Combined")
+def test_the_render_goes_before_what_the_compositor_made() -> None:
+    assert rank("ViewLayer.Combined") < rank("Composite.Combined")

@@ -59,6 +59,20 @@ def test_a_numba_that_does_not_fit_is_named_with_those_that_do(change, tmp_path)
     assert f"works with numba{compatible.NUMBA}" in done.stderr
 
 
+def test_a_stand_in_for_scipy_is_named():
+    """colour-science makes one where SciPy is not installed; what is imported before does not mind."""
+    code = (
+        "import sys, unittest.mock as mock; sys.modules['scipy'] = mock.MagicMock()\n"
+        "from flowabs_nodes import filters\n"
+        "from flowabs_nodes.errors import FlowabsError\n"
+        "try: filters.etf\n"
+        "except FlowabsError as error: print(error.code, error.hint)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=True)
+    assert done.stdout.startswith("numba-misfit a package, such as colour-science, put a stand-in for SciPy")
+    assert "pip install scipy" in done.stdout
+
+
 @pytest.mark.parametrize("change", ["a name is missing", "an attribute is missing", "a call has changed"])
 def test_so_it_is_for_who_asks_for_a_filter(change):
     code = (

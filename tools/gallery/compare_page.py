@@ -15,7 +15,7 @@ HEAD = """\
 # Side by side
 
 What flowabs makes of five pictures, beside what the paper compares itself with and what OpenCV has. All of it again
-(it needs OpenCV: `pip install 'flowabs-nodes[compare]'`):
+(it needs OpenCV and SciPy, which the extra `test` installs):
 
 <!-- not run: minutes of measuring -->
 ```sh

@@ -103,7 +103,7 @@ def rows(plate: Path) -> Iterator[Row]:
                 ends = passage(plate, way, Path(folder) / f"{way}.exr")
                 yield Row(plate, way, {name: kept(ends) for name, kept in PROMISES.items()})
             except Refused as refused:
-                if refused.error.code == "no-color" and way == "copy":
+                if refused.error.code in ("no-color", "ambiguous-layer") and way == "copy":
                     ways = ["data"]
                     continue
                 ways = []
