@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from flowabs_nodes.image import Image
     from flowabs_nodes.one_call import abstraction, abstraction_hdr, flat, inked, lines, portrait
 
-__version__ = "0.2.0"
+__version__ = "0.3.0"
 
 _HOMES = {
     "FlowabsError": "errors",

@@ -217,7 +217,7 @@ def test_a_frame_that_ends_every_worker_fails_and_ends_no_more_than_it_may(shot,
     assert dict(statuses(report)) == {frame: "failed" if frame == 2 else "done" for frame in FRAMES}
     assert (report.exit_code, report.frames[1].error.code) == (1, "worker-lost")
     assert len([text for text in events.texts() if "was lost: rendered again" in text]) == 1
-    assert not leftovers(tmp_path / "out")
+    eventually(lambda: not leftovers(tmp_path / "out"))  # the last process learns after the run that its worker is gone
 
 
 @pytest.mark.slow
