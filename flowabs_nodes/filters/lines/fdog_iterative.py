@@ -76,7 +76,10 @@ def fdog_iterative(
     def draw(planes: Array) -> tuple[Array, Array]:
         """Return lines and response of one pass."""
         if pre_blur > 0:
-            planes = np.stack([blur(plane, pre_blur) for plane in planes])
+            blurred = np.empty_like(planes)
+            for plane, result in zip(planes, blurred, strict=True):
+                result[:] = blur(plane, pre_blur)
+            planes = blurred
         response = detector.response(planes, flow)
         if is_xdog:
             return xdog(response, p, epsilon, phi)
