@@ -1,0 +1,30 @@
+"""flowabs in Blender: graphs as node trees. Only Blender imports it; a script finds what it needs in ``tree_json``."""
+
+from __future__ import annotations
+
+import bpy
+
+from . import add_menu, driving, import_export, knobs_panel, node_classes, node_operators, sockets, tree
+
+_classes: list[type] = []  # registered, of nodes and sockets: the catalogue says which there are
+
+OPERATORS_AND_PANELS = (*node_operators.CLASSES, *driving.CLASSES, *knobs_panel.CLASSES)
+
+
+def register() -> None:
+    """Register everything; Blender calls this when the extension is enabled."""
+    tree.register()
+    for each in (*sockets.classes(), *node_classes.classes(), *OPERATORS_AND_PANELS):
+        bpy.utils.register_class(each)
+        _classes.append(each)
+    import_export.register()
+    add_menu.register()
+
+
+def unregister() -> None:
+    """Take everything away again; trees stay in the file as they are."""
+    add_menu.unregister()
+    import_export.unregister()
+    while _classes:
+        bpy.utils.unregister_class(_classes.pop())
+    tree.unregister()

@@ -1,0 +1,103 @@
+"""Links sockets as a graph file says, and says in a file's words what is linked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import bpy
+
+from .node_classes import declaration_of
+from .node_record import read_record, stored, write_record, written_inputs
+from .sockets import add_socket, socket_of
+
+#: The port of the first output of a node that is not installed, whose name is not known.
+FIRST = "(first)"
+
+
+def link_nodes(
+    tree: bpy.types.NodeTree, nodes: Mapping[str, bpy.types.Node], bodies: Mapping[str, Any]
+) -> dict[str, list[str]]:
+    """Link the nodes of a graph file, and return the names of the nodes that each is linked to.
+
+    An input whose link leads nowhere is remembered by its node as "kept".
+    """
+    sources: dict[str, list[str]] = {}
+    for name, node in nodes.items():
+        kept = {}
+        sources[name] = []
+        for port, said in written_inputs({"body": bodies[name]} if isinstance(bodies[name], dict) else {}).items():
+            output = _output(nodes, said)
+            into = _input(node, port)
+            if output is None or into is None:
+                kept[port] = said
+            else:
+                tree.links.new(output, into)
+                sources[name].append(said.partition(".")[0])
+        if kept:
+            write_record(node, {**read_record(node), "kept": kept})
+    return sources
+
+
+def _output(nodes: Mapping[str, bpy.types.Node], said: Any) -> bpy.types.NodeSocket | None:
+    """Return the socket that a link of a file comes from; None where there is none."""
+    name, dot, port = said.partition(".") if isinstance(said, str) else ("", "", "")
+    node = nodes.get(name)
+    if node is None:
+        return None
+    if declaration_of(node) is not None:
+        return socket_of(node.outputs, port) if dot else next(iter(node.outputs), None)
+    wanted = port if dot else FIRST
+    return socket_of(node.outputs, wanted) or add_socket(node.outputs, wanted, None)
+
+
+def _input(node: bpy.types.Node, port: str) -> bpy.types.NodeSocket | None:
+    """Return the socket of an input; one of a missing node and a further layer of ``write`` are made for it."""
+    socket = socket_of(node.inputs, port)
+    declaration = declaration_of(node)
+    if socket is None and declaration is None:
+        return add_socket(node.inputs, port, None)
+    if socket is None and declaration is not None and declaration.extra_inputs is not None:
+        return add_socket(node.inputs, port, declaration.extra_inputs, extra=True)
+    return socket
+
+
+def links_of(node: bpy.types.Node, names: Mapping[str, str]) -> dict[str, Any]:
+    """Return the links of a node as a graph file has them, in the order that its file had.
+
+    ``names`` are the graph's names of all nodes by the editor's.
+    """
+    record = read_record(node)
+    written, kept = written_inputs(record), record.get("kept", {})
+    linked = {}
+    for socket in node.inputs:
+        output = source(socket)
+        if output is not None and output.node.name in names:
+            linked[socket.port] = _said(output, names, written.get(socket.port))
+    result = {port: linked.get(port, kept.get(port)) for port in written if port in linked or port in kept}
+    return result | {port: said for port, said in linked.items() if port not in result}
+
+
+def source(socket: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:
+    """Return the output that an input is linked to, through reroutes; None where it is not linked."""
+    passed = set()
+    while socket.is_linked and socket.links:
+        output = socket.links[0].from_socket
+        if output.node.bl_idname != "NodeReroute":
+            return output
+        if output.node.name in passed:
+            return None
+        passed.add(output.node.name)
+        socket = output.node.inputs[0]
+    return None
+
+
+def _said(output: bpy.types.NodeSocket, names: Mapping[str, str], written: Any) -> str:
+    """Return "node" for a node's first output, else "node.output"; the first one in full where the file had it so."""
+    name = names[output.node.name]
+    if output.port == FIRST:
+        return name
+    known = declaration_of(output.node) is not None or stored(output.node, "snapshot") != ""
+    first = known and output == output.node.outputs[0]
+    in_full = isinstance(written, str) and "." in written
+    return f"{name}.{output.port}" if in_full or not first else name
