@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import bpy
 
-from . import add_menu, driving, import_export, knobs_panel, node_classes, node_operators, sockets, tree
+from . import add_menu, driving, import_export, knob_operators, knobs_panel, node_classes, node_operators, sockets, tree
 
 _classes: list[type] = []  # registered, of nodes and sockets: the catalogue says which there are
 
-OPERATORS_AND_PANELS = (*node_operators.CLASSES, *driving.CLASSES, *knobs_panel.CLASSES)
+OPERATORS_AND_PANELS = (*node_operators.CLASSES, *driving.CLASSES, *knob_operators.CLASSES, *knobs_panel.CLASSES)
 
 
 def register() -> None:

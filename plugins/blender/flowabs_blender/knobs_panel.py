@@ -8,7 +8,7 @@ from typing import Any
 
 import bpy
 
-from . import knobs
+from . import knob_watch, knobs
 from .knobs import is_ours
 
 LINE = 44  # letters in a sidebar's usual width
@@ -35,6 +35,7 @@ class FLOWABS_PT_knobs(InSidebar, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         """Draw each knob as a slider, by section."""
         tree = context.space_data.edit_tree
+        knob_watch.ask_after_move(tree)
         sections: dict[str, list[Any]] = {}
         for knob in tree.knobs:
             sections.setdefault(str(knobs.declaration(knob).get("group", "")), []).append(knob)
@@ -56,7 +57,6 @@ def _draw_knob(layout: Any, tree: bpy.types.NodeTree, knob: Any) -> None:
     else:
         row.label(text=f"{knob.name}: wrong in the graph file", icon="ERROR")
     row.operator("flowabs.edit_knob", text="", icon="PREFERENCES").knob = knob.name
-    row.operator("flowabs.remove_knob", text="", icon="X").knob = knob.name
 
 
 class FLOWABS_PT_problems(InSidebar, bpy.types.Panel):

@@ -23,20 +23,29 @@ Look = dict[str, Any]
 
 
 def place(nodes: Mapping[str, bpy.types.Node], ui: Mapping[str, Any], links: Mapping[str, list[str]]) -> None:
-    """Place each node where ``ui`` has it, and the others in columns, each to the right of what it is linked to."""
+    """Place each node where ``ui`` has it, and the others below, in columns, each right of what it is linked to."""
     columns: dict[str, int] = {}
     filled: dict[int, int] = {}
+    placed = {name: pos for name in nodes if (pos := _placed(ui.get(name))) is not None}
+    first_row = max((y for _, y in placed.values()), default=-ROW) + ROW
     for name in _in_order(links):
         columns[name] = 1 + max((columns.get(source, -1) for source in links[name]), default=-1)
-        look = ui.get(name)
-        pos = look.get("pos") if isinstance(look, dict) else None
-        if not (isinstance(pos, list) and len(pos) == 2 and all(map(is_number, pos))):
+        if name not in placed:
             row = filled.get(columns[name], 0)
             filled[columns[name]] = row + 1
-            pos = [columns[name] * COLUMN, row * ROW]
-        nodes[name].location = (pos[0] * SPREAD_X, -pos[1] * SPREAD_Y)
+            placed[name] = (columns[name] * COLUMN, first_row + row * ROW)
+        x, y = placed[name]
+        nodes[name].location = (x * SPREAD_X, -y * SPREAD_Y)
+        look = ui.get(name)
         if isinstance(look, dict):
             _dress(nodes[name], look)
+
+
+def _placed(look: Any) -> tuple[float, float] | None:
+    """Return the position that ``ui`` has of a node; None where it says none, or one that is no pair of numbers."""
+    pos = look.get("pos") if isinstance(look, dict) else None
+    fits = isinstance(pos, list) and len(pos) == 2 and all(map(is_number, pos))
+    return (pos[0], pos[1]) if fits else None
 
 
 def _in_order(links: Mapping[str, list[str]]) -> list[str]:

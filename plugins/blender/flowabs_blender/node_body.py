@@ -73,7 +73,9 @@ def body_of(node: bpy.types.Node, names: Mapping[str, str]) -> Any:
     written_here = body.get("params", {})
     readable = declaration is not None and isinstance(written_here, dict)
     params = params_of(node, declaration) if readable and declaration is not None else written_here
-    result = {"type": declaration.name, **body} if declaration is not None else dict(body)
+    result = dict(body)
+    if declaration is not None and "type" not in body:  # made in the editor
+        result = {"type": declaration.name, **body}
     parts = {"inputs": links, "params": params}
     for key, said in parts.items():
         if said or said == body.get(key):

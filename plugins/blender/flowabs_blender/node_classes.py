@@ -110,8 +110,11 @@ def classes() -> list[type]:
 
 
 def _node_class(declaration: Node) -> type:
+    unfolded = node_drawing.unfolded_at_first(declaration)
     sections = {
-        node_drawing.section_switch(number): bpy.props.BoolProperty(name=section, options=set())
+        node_drawing.section_switch(number): bpy.props.BoolProperty(
+            name=section, default=section in unfolded, options=set(), description="Show these parameters"
+        )
         for number, section in enumerate(declaration.sections())
     }
     content = {

@@ -24,6 +24,13 @@ def section_switch(number: int) -> str:
     return f"unfolded_{number}"
 
 
+def unfolded_at_first(declaration: Node) -> set[str]:
+    """Return the sections that a new node shows: its first one, where only choices stand outside of sections."""
+    sections = declaration.sections()
+    named = [section for section in sections if section]
+    return set(named[:1]) if all(param.kind == "enum" for param in sections.get("", ())) else set()
+
+
 def draw_problems(node: bpy.types.Node, layout: Any) -> None:
     """Draw each problem of a node as a line, whose tooltip says all of it."""
     for problem in json.loads(node.problems) if node.problems else ():
@@ -51,7 +58,9 @@ def draw_sections(node: bpy.types.Node, layout: Any, declaration: Node) -> None:
             switch = section_switch(number)
             unfolded = getattr(node, switch)
             icon = "DISCLOSURE_TRI_DOWN" if unfolded else "DISCLOSURE_TRI_RIGHT"
-            layout.prop(node, switch, icon=icon, emboss=False)
+            heading = layout.row()
+            heading.alignment = "LEFT"
+            heading.prop(node, switch, icon=icon, emboss=False)
             if not unfolded:
                 continue
         _draw_params(node, layout, declaration, params, written, values)

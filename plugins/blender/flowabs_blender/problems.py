@@ -10,7 +10,7 @@ from flowabs_nodes.choices import readable
 from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.graph import GraphError, Problem, check
 
-from . import tree_json
+from . import knob_watch, tree_json
 from .identifiers import MISSING, UNDEFINED, graph_nodes
 from .links import source
 
@@ -53,6 +53,9 @@ def refresh(tree: bpy.types.NodeTree) -> list[Problem]:
             body = graph["nodes"][name]
             _set(node, "snapshot", json.dumps(body, ensure_ascii=False))
     _set(tree, "problems", json.dumps(elsewhere) if elsewhere else "")
+    _set(tree, "knob_positions", knob_watch.positions(tree))
+    if len(tree.knobs) and all(problem.warning or problem.code == "missing-package" for problem in found):
+        knob_watch.refresh(tree, graph)
     return found
 
 

@@ -20,6 +20,9 @@ from .numbers import as_float32, just_above, shortest, within_int
 
 AUTOMATIC = "auto_"
 
+#: Lets a path begin with "//", the folder of the .blend; older versions always do.
+RELATIVE_PATHS = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set()
+
 
 def property_name(param: Param) -> str:
     """Return the name of a parameter's property, which no attribute of Blender's nodes has."""
@@ -65,6 +68,7 @@ def _property(param: Param) -> Any:
             default = tuple(param.default or (0.0, 0.0, 0.0))
             return bpy.props.FloatVectorProperty(**said, default=default, size=3, subtype="COLOR")
         case "file":
+            said["options"] = RELATIVE_PATHS
             return bpy.props.StringProperty(**said, subtype="FILE_PATH")
         case _:
             return bpy.props.StringProperty(**said, default=_text(param, param.default))

@@ -19,6 +19,7 @@ class FlowabsTree(bpy.types.NodeTree):
     knobs: bpy.props.CollectionProperty(type=FlowabsKnob)
     record: bpy.props.StringProperty(description="What the graph file said beside nodes and knobs, JSON")
     problems: bpy.props.StringProperty(description="What is wrong with the graph beside its nodes, JSON")
+    knob_positions: bpy.props.StringProperty(description="Where the knobs stood at the last update, JSON")
     is_filling: bpy.props.BoolProperty(description="The tree is being made, and not to be looked at")
     is_kept: bpy.props.BoolProperty(description="The tree was given its fake user, which may have been taken since")
 

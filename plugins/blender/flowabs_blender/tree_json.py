@@ -107,7 +107,6 @@ def readable(graph: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
     if document is None:
         found.add("wrong-type", (), show(graph), "an object with format and nodes")
         raise GraphError(found.found)
-    written = document.get("format")
     upgraded = upgrade_format(document, found, notes)
     if upgraded is None:
         raise GraphError(found.found)
@@ -115,7 +114,8 @@ def readable(graph: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
         found.add("wrong-type", ("nodes",), show(upgraded.get("nodes")), "an object")
         raise GraphError(found.found)
     if found.found:  # no known format: kept as it is, and shown
-        upgraded["format"] = written if written is not None else FORMAT
+        del upgraded["format"]
+        upgraded = document if "format" in document else upgraded
     for name, body in upgraded["nodes"].items():
         if isinstance(body, dict) and isinstance(body.get("type"), str):
             upgrade_node(body, ("nodes", name), catalogue(), Problems(), notes)

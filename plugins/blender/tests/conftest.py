@@ -1,0 +1,46 @@
+"""Registers the extension in the bpy module that runs the tests, and gives each test an empty file."""
+
+import json
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+bpy = pytest.importorskip("bpy", reason="needs Blender's bpy module: python -m tools.blender")
+import flowabs_blender  # noqa: E402
+from flowabs_blender import import_export, tree_json  # noqa: E402
+
+
+@pytest.fixture(scope="session", autouse=True)
+def extension() -> Iterator[None]:
+    flowabs_blender.register()
+    yield
+    flowabs_blender.unregister()
+
+
+@pytest.fixture(autouse=True)
+def empty_file(extension: None) -> None:
+    bpy.ops.wm.read_homefile(use_empty=True)
+
+
+@pytest.fixture
+def tree_of() -> Callable[[dict[str, Any]], Any]:
+    """Return the function that makes a tree of a graph."""
+    return lambda graph: import_export.new_tree(graph, "graph")[0]
+
+
+@pytest.fixture
+def after_round_trip(tree_of: Any) -> Callable[[dict[str, Any]], str]:
+    """Return the function that takes a graph through a tree, twice, and returns its text.
+
+    The text, not the dict, as 1 and 1.0, and the order of keys, are to stay.
+    """
+
+    def text(graph: dict[str, Any]) -> str:
+        once = tree_json.graph_of(tree_of(graph))
+        return json.dumps(tree_json.graph_of(tree_of(once)))
+
+    return text
