@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import bpy
+
 from flowabs_nodes.choices import CATEGORIES, readable
 from flowabs_nodes.nodes import catalogue
 from flowabs_nodes.nodes.declare import Node

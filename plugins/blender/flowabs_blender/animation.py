@@ -1,7 +1,7 @@
 """Turns the curves of graph files into F-curves and back: a graph's curve is linear between whole frames.
 
-What Blender can do beyond straight lines (Bézier and other interpolation, extrapolation, modifiers, keys between frames)
-is baked: one key a frame, where the curve is not straight.
+What Blender can do beyond straight lines (Bézier and other interpolation, extrapolation, modifiers, keys between
+frames) is baked: one key a frame, where the curve is not straight.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import math
 from typing import Any
 
 import bpy
+
 from flowabs_nodes.graph.format import FRAME
 
 from . import fcurves

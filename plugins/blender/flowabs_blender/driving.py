@@ -6,6 +6,7 @@ import json
 from typing import Any
 
 import bpy
+
 from flowabs_nodes.graph.knobs import DRIVES
 from flowabs_nodes.graph.values import interpolate
 from flowabs_nodes.nodes.param import Param

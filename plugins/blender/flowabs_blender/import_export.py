@@ -8,6 +8,7 @@ from typing import Any
 
 import bpy
 from bpy_extras.io_utils import ExportHelper, ImportHelper
+
 from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.graph import GraphError, shipped
 from flowabs_nodes.graph.problems import Problems
@@ -18,6 +19,7 @@ from flowabs_nodes.io.formats import check_kind
 from . import problems
 from .identifiers import TREE
 from .node_operators import OfTree, shown_tree
+from .revive import revive
 from .tree_json import fill, graph_of, readable
 
 JSON_FILES: dict[str, Any] = {"default": "*.json", "options": {"HIDDEN"}}
@@ -156,7 +158,7 @@ class FLOWABS_OT_export_graph(OfTree, bpy.types.Operator, ExportHelper):
 
 
 class FLOWABS_OT_check(OfTree, bpy.types.Operator):
-    """Look for everything that is wrong with the graph"""
+    """Look for everything that is wrong with the graph, and for nodes that have been installed since"""
 
     bl_idname = "flowabs.check"
     bl_label = "Check"
@@ -164,6 +166,9 @@ class FLOWABS_OT_check(OfTree, bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Check the graph and say what is wrong."""
         tree = shown_tree(context)
+        revived = revive(tree)
+        if revived:
+            self.report({"INFO"}, f"{revived} nodes are installed now, and are back")
         _report(self, tree, "checked")
         problems.mark_links(tree)
         return {"FINISHED"}

@@ -10,6 +10,7 @@ import json
 from typing import Any
 
 import bpy
+
 from flowabs_nodes.engine.knob_states import knob_states
 from flowabs_nodes.graph import load
 

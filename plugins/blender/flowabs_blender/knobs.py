@@ -11,6 +11,7 @@ import math
 from typing import Any
 
 import bpy
+
 from flowabs_nodes.choices import readable
 from flowabs_nodes.graph.format import KNOB_TYPES
 

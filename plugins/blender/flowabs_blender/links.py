@@ -28,7 +28,7 @@ def link_nodes(
         sources[name] = []
         for port, said in written_inputs({"body": bodies[name]} if isinstance(bodies[name], dict) else {}).items():
             output = _output(nodes, said)
-            into = _input(node, port)
+            into = input_of(node, port)
             if output is None or into is None:
                 kept[port] = said
             else:
@@ -51,7 +51,7 @@ def _output(nodes: Mapping[str, bpy.types.Node], said: Any) -> bpy.types.NodeSoc
     return socket_of(node.outputs, wanted) or add_socket(node.outputs, wanted, None)
 
 
-def _input(node: bpy.types.Node, port: str) -> bpy.types.NodeSocket | None:
+def input_of(node: bpy.types.Node, port: str) -> bpy.types.NodeSocket | None:
     """Return the socket of an input; one of a missing node and a further layer of ``write`` are made for it."""
     socket = socket_of(node.inputs, port)
     declaration = declaration_of(node)

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 import bpy
+
+from flowabs_nodes.nodes import catalogue
 from flowabs_nodes.nodes.declare import Node
 from flowabs_nodes.nodes.param import Param
 
@@ -19,7 +21,7 @@ from .properties import file_value, is_untouched, property_name, set_value, valu
 
 def make_node(tree: bpy.types.NodeTree, name: str, body: Any, place: int) -> bpy.types.Node:
     """Add a node as a graph file has it; one that is not installed here is kept as a missing one."""
-    declaration = _installed(body)
+    declaration = installed(body)
     node = tree.nodes.new(MISSING if declaration is None else node_id(declaration.type))
     node.graph_name = name
     node.name = name
@@ -43,10 +45,8 @@ def make_node(tree: bpy.types.NodeTree, name: str, body: Any, place: int) -> bpy
     return node
 
 
-def _installed(body: Any) -> Node | None:
+def installed(body: Any) -> Node | None:
     """Return the declaration that a body names, in its version; None where it is not installed."""
-    from flowabs_nodes.nodes import catalogue
-
     written = body.get("type") if isinstance(body, dict) else None
     declaration = catalogue().get(written.partition("@")[0]) if isinstance(written, str) else None
     return declaration if declaration is not None and declaration.name == written else None

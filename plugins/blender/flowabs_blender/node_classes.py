@@ -6,6 +6,7 @@ import json
 from typing import Any
 
 import bpy
+
 from flowabs_nodes.nodes import catalogue
 from flowabs_nodes.nodes.declare import Node
 

@@ -7,6 +7,7 @@ import textwrap
 from typing import Any
 
 import bpy
+
 from flowabs_nodes.graph.values import interpolate
 from flowabs_nodes.nodes.declare import Node
 from flowabs_nodes.nodes.param import Param
@@ -45,6 +46,8 @@ def draw_missing(node: bpy.types.Node, layout: Any) -> None:
     """Draw the type of a node that is not installed, and what the graph sets."""
     body = read_record(node).get("body")
     layout.label(text=str(body.get("type", "no type")) if isinstance(body, dict) else "not a node", icon="QUESTION")
+    if not node.problems:
+        layout.operator("flowabs.check", text="Installed now: bring it back", icon="FILE_REFRESH")
     for name, value in written_params({"body": body}).items() if isinstance(body, dict) else ():
         layout.label(text=textwrap.shorten(f"{name}: {json.dumps(value)}", LINE, placeholder=" …"))
 

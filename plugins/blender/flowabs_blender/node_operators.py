@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bpy
+
 from flowabs_nodes.graph.links import taken_names
 
 from .identifiers import graph_nodes

@@ -6,6 +6,7 @@ import json
 from typing import Any
 
 import bpy
+
 from flowabs_nodes.nodes.param import Param
 
 #: What is remembered beside each node, as JSON in its property ``record``.

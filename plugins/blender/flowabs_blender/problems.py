@@ -6,6 +6,7 @@ import json
 from typing import Any
 
 import bpy
+
 from flowabs_nodes.choices import readable
 from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.graph import GraphError, Problem, check

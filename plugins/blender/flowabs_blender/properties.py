@@ -12,6 +12,7 @@ import math
 from typing import Any
 
 import bpy
+
 from flowabs_nodes.graph.overrides import parse_setting
 from flowabs_nodes.nodes.describe import rule
 from flowabs_nodes.nodes.param import Param

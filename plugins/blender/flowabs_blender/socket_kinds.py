@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bpy
+
 from flowabs_nodes.port_types import TYPES, widest
 
 from .identifiers import graph_nodes

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import bpy
+
 from flowabs_nodes.choices import readable
 from flowabs_nodes.nodes.declare import Port
 from flowabs_nodes.port_types import TYPES

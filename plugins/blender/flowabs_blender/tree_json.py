@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import bpy
+
 from flowabs_nodes.graph.format import FORMAT
 from flowabs_nodes.graph.problems import GraphError, Problems, show
 from flowabs_nodes.graph.upgrade import upgrade_format, upgrade_node
@@ -70,8 +71,8 @@ def names_of(tree: bpy.types.NodeTree) -> dict[str, str]:
 def fill(tree: bpy.types.NodeTree, graph: Mapping[str, Any]) -> list[str]:
     """Make a tree hold a graph, in place of all that it has.
 
-    Returns what was done to bring older nodes up to date, in sentences. Raises GraphError, and leaves the tree as it is,
-    where the graph is of a newer format, or no graph at all. All other mistakes of a graph are kept, and shown.
+    Returns what was done to bring older nodes up to date, in sentences. Raises GraphError, and leaves the tree as it
+    is, where the graph is of a newer format, or no graph at all. All other mistakes of a graph are kept, and shown.
     """
     document, notes = readable(graph)
     tree.is_filling = True

@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import bpy  # Blender's module: python -m tools.blender
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-bpy = pytest.importorskip("bpy", reason="needs Blender's bpy module: python -m tools.blender")
-import flowabs_blender  # noqa: E402
-from flowabs_blender import import_export, tree_json  # noqa: E402
+import flowabs_blender
+from flowabs_blender import import_export, tree_json
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -6,8 +6,9 @@ import bpy
 import pytest
 from flowabs_blender import fcurves, node_body, tree_json
 from flowabs_blender.node_classes import declaration_of
-from graphs import WIDTH, small, with_knobs, with_params
 from test_editing import node_of
+
+from graphs import WIDTH, small, with_knobs, with_params
 
 
 def curve_of(tree: Any, name: str, param: str) -> Any:

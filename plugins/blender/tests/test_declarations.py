@@ -6,6 +6,7 @@ import bpy
 import pytest
 from flowabs_blender import add_menu, sockets
 from flowabs_blender.identifiers import node_id
+
 from flowabs_nodes.choices import CATEGORIES
 from flowabs_nodes.nodes import catalogue
 from flowabs_nodes.port_types import TYPES

@@ -2,14 +2,16 @@
 
 import copy
 import json
+from itertools import pairwise
 from typing import Any
 
 import bpy
-import flowabs_nodes
 import pytest
 from flowabs_blender import import_export, knobs, tree_json
 from flowabs_blender.node_classes import declaration_of
 from flowabs_blender.sockets import socket_of
+
+import flowabs_nodes
 from flowabs_nodes.graph import check
 from flowabs_nodes.nodes import catalogue
 from graphs import small, with_params
@@ -93,7 +95,8 @@ def test_every_property_of_every_node_exports_what_it_says(tree_of: Any) -> None
                 case "bool":
                     setattr(node, f"p_{param.name}", not param.default)
                 case "enum":
-                    setattr(node, f"p_{param.name}", param.choices[-1] if param.default != param.choices[-1] else param.choices[0])
+                    others = [choice for choice in param.choices if choice != param.default]
+                    setattr(node, f"p_{param.name}", others[-1])
                 case "color":
                     setattr(node, f"p_{param.name}", (0.1, 0.2, 0.3))
                 case _:
@@ -195,7 +198,7 @@ def test_layers_of_write(tree_of: Any) -> None:
 def test_a_tree_made_from_nothing_runs(tree_of: Any) -> None:
     tree = bpy.data.node_groups.new("mine", "FlowabsTree")
     made = [tree.nodes.new(f"FlowabsNode_{name}") for name in ("read", "quantize", "write")]
-    for before, after in zip(made, made[1:], strict=False):
+    for before, after in pairwise(made):
         tree.links.new(before.outputs[0], after.inputs[0])
     graph = flowabs_nodes.load_graph(graph_of(tree))
     assert graph.name == "mine"

@@ -7,8 +7,9 @@ import bpy
 import pytest
 from flowabs_blender import driving, import_export, knobs, node_drawing, tree_json
 from flowabs_blender.node_classes import declaration_of
-from graphs import WIDTH, small, with_knobs
 from test_editing import node_of
+
+from graphs import WIDTH, small, with_knobs
 
 graph_of = tree_json.graph_of
 
@@ -110,7 +111,15 @@ def test_edit_and_remove(tree_of: Any) -> None:
     bpy.context.scene.flowabs_tree = tree
     said = {"label": "Ink", "group": "", "help": "How wide.", "min": "0.5", "max": "3"}
     bpy.ops.flowabs.edit_knob(knob="width", name="ink width", **said)
-    expected = {"type": "float", "default": 1.5, "unit": "px", "label": "Ink", "help": "How wide.", "min": 0.5, "max": 3}
+    expected = {
+        "type": "float",
+        "default": 1.5,
+        "unit": "px",
+        "label": "Ink",
+        "help": "How wide.",
+        "min": 0.5,
+        "max": 3,
+    }
     assert graph_of(tree)["interface"] == {"ink_width": expected}
     assert graph_of(tree)["nodes"]["lines"]["params"] == {"sigma_c": {"from": "ink_width"}}
     bpy.ops.flowabs.edit_knob(knob="ink_width", remove=True)

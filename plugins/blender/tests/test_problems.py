@@ -5,8 +5,9 @@ from typing import Any
 
 from flowabs_blender import problems, tree_json
 from flowabs_blender.sockets import socket_of
-from graphs import WIDTH, small, with_knobs
 from test_editing import node_of
+
+from graphs import WIDTH, small, with_knobs
 
 
 def said(tree: Any, name: str) -> list[str]:
@@ -28,7 +29,7 @@ def test_on_the_node_concerned(tree_of: Any) -> None:
             c={"type": "etf@99", "inputs": {"image": "plate"}},
         )
     )
-    assert said(tree, "a") == ['Image: there is no node "nobody"', 'Sigma: -1, expected a number from 0 to 1000 (px)']
+    assert said(tree, "a") == ["Sigma: -1, expected a number from 0 to 500 (px)", 'Image: there is no node "nobody"']
     assert said(tree, "b") == ['not installed: "halftone@3"']
     assert said(tree, "c") == ['newer than what is installed: "etf@99"']
     assert said(tree, "flow") == []
@@ -54,7 +55,9 @@ def test_a_link_that_does_not_fit_is_marked(tree_of: Any) -> None:
 
 
 def test_a_matte_goes_where_a_mono_or_a_colour_is_asked_for(tree_of: Any) -> None:
-    tree = tree_of(small(x={"type": "blur@1", "inputs": {"image": "lines"}}, y={"type": "etf@1", "inputs": {"image": "x"}}))
+    tree = tree_of(
+        small(x={"type": "blur@1", "inputs": {"image": "lines"}}, y={"type": "etf@1", "inputs": {"image": "x"}})
+    )
     problems.mark_links(tree)
     assert all(link.is_valid for link in tree.links)
 
@@ -79,6 +82,8 @@ def test_of_the_graph_itself(tree_of: Any) -> None:
 
 
 def test_a_circle_stops_nothing(tree_of: Any) -> None:
-    tree = tree_of(small(a={"type": "blur@1", "inputs": {"image": "b"}}, b={"type": "blur@1", "inputs": {"image": "a"}}))
+    tree = tree_of(
+        small(a={"type": "blur@1", "inputs": {"image": "b"}}, b={"type": "blur@1", "inputs": {"image": "a"}})
+    )
     assert "it needs its own result" in said(tree, "a") + said(tree, "b")
     assert problems.find(tree_json.graph_of(tree))

@@ -6,6 +6,7 @@ from typing import Any
 import bpy
 import pytest
 from flowabs_blender import import_export, tree_json
+
 from graphs import WIDTH, small, with_knobs, with_params
 
 CASES: dict[str, dict[str, Any]] = {
@@ -46,7 +47,8 @@ CASES: dict[str, dict[str, Any]] = {
         e={"type": "etf@1", "inputs": {"image": "a"}, "params": {"gradient_reference": "p99.5"}},
         f={"type": "etf@1", "inputs": {"image": "a"}, "params": {"gradient_reference": 16.25}},
     ),
-    "wrong types": with_params("etf@1", radius="5", iterations=2.5, color=1, kernel=3, gradient_reference=[1], space=None),
+    "wrong types": with_params("etf@1", radius="5", iterations=2.5, color=1, kernel=3, gradient_reference=[1]),
+    "null where it does not belong": with_params("etf@1", space=None, radius=None, color=None, gradient_reference=None),
     "a word of a later version": with_params("etf@1", kernel="hexagon"),
     "a parameter of a later version": with_params("etf@1", sparkle={"a": [1, None, "x"]}),
     "texts": small(a={"type": "read@1", "params": {"file": "//host/é \n'\"\\.####.exr", "layer": "x" * 2000}}),
