@@ -4,11 +4,28 @@ from __future__ import annotations
 
 import bpy
 
-from . import add_menu, driving, import_export, knob_operators, knobs_panel, node_classes, node_operators, sockets, tree
+from . import (
+    add_menu,
+    driving,
+    graph_menu,
+    import_export,
+    knob_operators,
+    knobs_panel,
+    node_classes,
+    node_operators,
+    sockets,
+    tree,
+)
 
 _classes: list[type] = []  # registered, of nodes and sockets: the catalogue says which there are
 
-OPERATORS_AND_PANELS = (*node_operators.CLASSES, *driving.CLASSES, *knob_operators.CLASSES, *knobs_panel.CLASSES)
+OPERATORS_AND_PANELS = (
+    *node_operators.CLASSES,
+    *import_export.CLASSES,
+    *driving.CLASSES,
+    *knob_operators.CLASSES,
+    *knobs_panel.CLASSES,
+)
 
 
 def register() -> None:
@@ -17,14 +34,14 @@ def register() -> None:
     for each in (*sockets.classes(), *node_classes.classes(), *OPERATORS_AND_PANELS):
         bpy.utils.register_class(each)
         _classes.append(each)
-    import_export.register()
+    graph_menu.register()
     add_menu.register()
 
 
 def unregister() -> None:
     """Take everything away again; trees stay in the file as they are."""
     add_menu.unregister()
-    import_export.unregister()
+    graph_menu.unregister()
     while _classes:
         bpy.utils.unregister_class(_classes.pop())
     tree.unregister()

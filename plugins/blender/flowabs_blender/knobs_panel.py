@@ -41,6 +41,8 @@ class FLOWABS_PT_knobs(InSidebar, bpy.types.Panel):
             sections.setdefault(str(knobs.declaration(knob).get("group", "")), []).append(knob)
         if not sections:
             self.layout.label(text="This graph has no knobs")
+        if context.scene.flowabs_tree != tree:
+            self.layout.operator("flowabs.use_in_scene", icon="SCENE_DATA")
         for section, members in sections.items():
             box = self.layout.box() if section else self.layout.column()
             if section:

@@ -125,7 +125,26 @@ class FLOWABS_OT_forget_unknown(OfTree, bpy.types.Operator):
         return {"FINISHED"}
 
 
+class FLOWABS_OT_use_in_scene(bpy.types.Operator):
+    """Make this the scene's graph: its keyframes then move its sliders"""
+
+    bl_idname = "flowabs.use_in_scene"
+    bl_label = "Use in this scene"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Return whether the editor shows a graph."""
+        return is_ours(getattr(context.space_data, "edit_tree", None))
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Point the scene at the graph."""
+        context.scene.flowabs_tree = context.space_data.edit_tree
+        return {"FINISHED"}
+
+
 CLASSES = (
+    FLOWABS_OT_use_in_scene,
     FLOWABS_OT_explain_problem,
     FLOWABS_OT_add_layer,
     FLOWABS_OT_remove_layer,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import problems, socket_kinds
+from . import problems, socket_kinds, spare_inputs
 from .identifiers import TREE
 from .knobs import FlowabsKnob, is_ours
 
@@ -25,11 +25,12 @@ class FlowabsTree(bpy.types.NodeTree):
 
     def update(self) -> None:
         """Check the graph after each change; Blender calls this for nodes and links, properties for themselves."""
-        if self.is_filling:
+        if self.is_filling or self.library is not None:  # what is linked from another file stays as it is there
             return
         if not self.is_kept:
             self.use_fake_user = self.is_kept = True  # else a tree that nothing uses is dropped on save
         socket_kinds.refresh(self)
+        spare_inputs.refresh(self)
         problems.refresh(self)
         if not bpy.app.background and not bpy.app.timers.is_registered(_mark_all_links):
             bpy.app.timers.register(_mark_all_links, first_interval=0.0)

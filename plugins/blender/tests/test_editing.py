@@ -230,3 +230,9 @@ def test_declarations_are_found(tree_of: Any) -> None:
     assert declaration_of(node_of(tree, "flow")).type == "etf"
     assert declaration_of(node_of(tree, "x")) is None
     assert not knobs.is_ours(None)
+
+
+def test_a_switch_shows_one_free_input(tree_of: Any) -> None:
+    tree = tree_of(small(s={"type": "switch@1", "inputs": {"a": "plate", "c": "lines"}}, t={"type": "switch@1"}))
+    shown = {name: [socket.port for socket in node_of(tree, name).inputs if not socket.hide] for name in "st"}
+    assert shown == {"s": ["a", "b", "c", "d"], "t": ["a", "b"]}

@@ -5,7 +5,7 @@ from typing import Any
 
 import bpy
 import pytest
-from flowabs_blender import driving, import_export, knobs, node_drawing, tree_json
+from flowabs_blender import driving, import_export, knob_watch, knobs, node_drawing, tree_json
 from flowabs_blender.node_classes import declaration_of
 from test_editing import node_of
 
@@ -133,5 +133,7 @@ def test_knobs_that_do_nothing_are_greyed(tree_of: Any) -> None:
     tree = tree_of(with_knobs(form=form, p=strength, drives={"form": {"from": "form"}, "p": {"from": "p"}}))
     assert [knob.enabled for knob in tree.knobs] == [True, False]
     tree["form"] = 1 if isinstance(tree["form"], int) else "xdog"
-    tree.update()
+    knob_watch.ask_after_move(tree)  # as the panel does when it is drawn
+    assert bpy.app.timers.is_registered(knob_watch._update_moved)
+    knob_watch._update_moved()
     assert [knob.enabled for knob in tree.knobs] == [True, True]
