@@ -8,6 +8,7 @@ from . import (
     add_menu,
     driving,
     graph_menu,
+    graph_settings,
     import_export,
     knob_operators,
     knobs_panel,
@@ -22,6 +23,7 @@ _classes: list[type] = []  # registered, of nodes and sockets: the catalogue say
 OPERATORS_AND_PANELS = (
     *node_operators.CLASSES,
     *import_export.CLASSES,
+    *graph_settings.CLASSES,
     *driving.CLASSES,
     *knob_operators.CLASSES,
     *knobs_panel.CLASSES,

@@ -48,7 +48,8 @@ class FLOWABS_MT_graph(bpy.types.Menu):
         self.layout.operator("flowabs.import_graph", icon="IMPORT")
         self.layout.operator("flowabs.export_graph", icon="EXPORT")
         self.layout.separator()
-        self.layout.operator("flowabs.check")
+        self.layout.operator("flowabs.edit_graph", icon="PREFERENCES")
+        self.layout.operator("flowabs.check", icon="CHECKMARK")
 
 
 def draw_graph_menu(self: Any, context: bpy.types.Context) -> None:

@@ -87,3 +87,18 @@ def test_every_preset_has_a_description() -> None:
     for name in import_export.presets():
         properties = type("Properties", (), {"preset": name})()
         assert import_export.FLOWABS_OT_new_from_preset.description(bpy.context, properties)
+
+
+def test_what_a_graph_says_of_itself(tree_of: Any) -> None:
+    graph = {**small(), "ui": {"note": 1}}
+    tree = tree_of(graph)
+    bpy.context.scene.flowabs_tree = tree
+    bpy.ops.flowabs.edit_graph(side="none")
+    assert json.dumps(tree_json.graph_of(tree)) == json.dumps(graph)
+    bpy.ops.flowabs.edit_graph(description_text="Fine lines.", side="shorter", size=540)
+    said = tree_json.graph_of(tree)
+    assert (said["description"], said["reference_size"]) == ("Fine lines.", {"shorter": 540})
+    assert list(said) == ["format", "name", "description", "reference_size", "nodes", "ui"]
+    assert not tree.problems
+    bpy.ops.flowabs.edit_graph(side="none")
+    assert json.dumps(tree_json.graph_of(tree)) == json.dumps(graph)
