@@ -28,7 +28,7 @@ def read_head(tree: bpy.types.NodeTree) -> dict[str, Any]:
 def write_head(tree: bpy.types.NodeTree, head: dict[str, Any]) -> None:
     """Have a graph say this beside nodes and knobs."""
     record = json.loads(tree.record) if tree.record else {}
-    tree.record = json.dumps({**record, "head": head}, ensure_ascii=False)
+    tree.record = json.dumps({**record, "head": head})
 
 
 class FLOWABS_OT_edit_graph(OfTree, bpy.types.Operator):

@@ -42,6 +42,21 @@ def graph_text(document: dict[str, Any]) -> str:
     return json.dumps(document, indent=2, ensure_ascii=False) + "\n"
 
 
+def write_graph(document: dict[str, Any], file: Path) -> None:
+    """Write a graph file: whole, or not at all. Raises OSError, or FlowabsError where a text has no UTF-8."""
+    try:
+        content = graph_text(document).encode("utf-8")
+    except UnicodeEncodeError as error:
+        text = error.object[max(0, error.start - 30) : error.end + 30]
+        raise FlowabsError(f"a name or path of the graph cannot be written in UTF-8: {text!r}") from None
+    unfinished = file.with_name(f".{file.name}.tmp")
+    try:
+        unfinished.write_bytes(content)
+        unfinished.replace(file)
+    finally:
+        unfinished.unlink(missing_ok=True)
+
+
 def new_tree(document: dict[str, Any], name: str) -> tuple[bpy.types.NodeTree, list[str]]:
     """Make a tree of a graph; return it, and what was done to bring older nodes up to date. Raises as ``fill``."""
     readable(document)  # raises before there is a tree
@@ -149,7 +164,10 @@ class FLOWABS_OT_export_graph(OfTree, bpy.types.Operator, ExportHelper):
             return {"CANCELLED"}
         file = Path(bpy.path.abspath(self.filepath))
         try:
-            file.write_text(graph_text(graph_of(tree)), encoding="utf-8")
+            write_graph(graph_of(tree), file)
+        except FlowabsError as error:
+            self.report({"ERROR"}, f"{file}: {error.message}")
+            return {"CANCELLED"}
         except OSError as error:
             self.report({"ERROR"}, f"{file}: {error.strerror or error}")
             return {"CANCELLED"}

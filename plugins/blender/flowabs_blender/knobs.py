@@ -63,7 +63,7 @@ def fill(tree: bpy.types.NodeTree, interface: Any) -> None:
 def add(tree: bpy.types.NodeTree, name: str, declared: Any) -> FlowabsKnob:
     """Add a knob, declared as in a graph file; a wrong declaration is kept, and has no slider."""
     knob = tree.knobs.add()
-    knob.name, knob.declared = name, json.dumps(declared, ensure_ascii=False)
+    knob.name, knob.declared = name, json.dumps(declared)
     value = _property_value(declared)
     if value is not None:
         taken = {each.key for each in tree.knobs}

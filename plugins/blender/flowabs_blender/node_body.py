@@ -52,9 +52,9 @@ def installed(body: Any) -> Node | None:
     return declaration if declaration is not None and declaration.name == written else None
 
 
-def remember(node: bpy.types.Node, name: str, ui: Any) -> None:
+def remember(node: bpy.types.Node) -> None:
     """Remember how a node stands in the editor right after import."""
-    write_record(node, {**read_record(node), "ui": ui, "look": layout.look_of(node)})
+    write_record(node, {**read_record(node), "look": layout.look_of(node)})
 
 
 def path(node: bpy.types.Node, param: Param) -> str:

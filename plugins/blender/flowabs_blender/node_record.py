@@ -12,8 +12,8 @@ from flowabs_nodes.nodes.param import Param
 #: What is remembered beside each node, as JSON in its property ``record``.
 #:
 #: "name": the file's name of the node. "body": the node as it stood in the file. "shown": where the properties stood
-#: right after import, by parameter. "kept": the inputs whose links lead nowhere in the editor. "ui": what the file's
-#: ``ui`` said of the node, and "look": how it stood in the editor right after. "place": its place among the nodes.
+#: right after import, by parameter. "kept": the inputs whose links lead nowhere in the editor. "look": how the node
+#: stood in the editor right after. "place": its place among the nodes. All is ASCII: a text property holds no NUL.
 Record = dict[str, Any]
 
 
@@ -25,7 +25,7 @@ def read_record(node: bpy.types.Node) -> Record:
 
 def write_record(node: bpy.types.Node, record: Record) -> None:
     """Remember this of a node."""
-    node.record = json.dumps(record, ensure_ascii=False)
+    node.record = json.dumps(record)
 
 
 def stored(node: bpy.types.Node, key: str) -> str:

@@ -52,7 +52,7 @@ def refresh(tree: bpy.types.NodeTree) -> list[Problem]:
         _set(node, "problems", json.dumps(of_node[name]) if name in of_node else "")
         if node.bl_idname != MISSING:
             body = graph["nodes"][name]
-            _set(node, "snapshot", json.dumps(body, ensure_ascii=False))
+            _set(node, "snapshot", json.dumps(body))
     _set(tree, "problems", json.dumps(elsewhere) if elsewhere else "")
     _set(tree, "knob_positions", knob_watch.positions(tree))
     if len(tree.knobs) and all(problem.warning or problem.code == "missing-package" for problem in found):

@@ -15,6 +15,7 @@ from typing import Any
 import bpy
 
 from flowabs_nodes.graph.format import FORMAT
+from flowabs_nodes.graph.jsonable import jsonable
 from flowabs_nodes.graph.problems import GraphError, Problems, show
 from flowabs_nodes.graph.upgrade import upgrade_format, upgrade_node
 from flowabs_nodes.nodes import catalogue
@@ -89,11 +90,11 @@ def fill(tree: bpy.types.NodeTree, graph: Mapping[str, Any]) -> list[str]:
         }
         sources = link_nodes(tree, nodes, bodies)
         layout.place(nodes, ui, sources)
-        for name, node in nodes.items():
-            node_body.remember(node, name, ui.get(name))
+        for node in nodes.values():
+            node_body.remember(node)
         if isinstance(document.get("name"), str) and document["name"]:
             tree.name = document["name"]
-        tree.record = json.dumps({"head": head, "names": list(nodes), "shown_name": tree.name}, ensure_ascii=False)
+        tree.record = json.dumps({"head": head, "names": list(nodes), "shown_name": tree.name})
         tree.use_fake_user = True
     finally:
         tree.is_filling = False
@@ -104,9 +105,10 @@ def fill(tree: bpy.types.NodeTree, graph: Mapping[str, Any]) -> list[str]:
 def readable(graph: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
     """Return a graph as a document of this version's format, and what was done to bring it up to date."""
     found, notes = Problems(), []
-    document = copy.deepcopy(dict(graph)) if isinstance(graph, Mapping) else None
-    if document is None:
-        found.add("wrong-type", (), show(graph), "an object with format and nodes")
+    document = jsonable(graph, found)
+    if not isinstance(document, dict):
+        found.add("wrong-type", (), show(document), "an object with format and nodes")
+    if found.found:
         raise GraphError(found.found)
     upgraded = upgrade_format(document, found, notes)
     if upgraded is None:

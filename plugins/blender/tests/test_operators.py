@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import bpy
+import numpy as np
 import pytest
 from flowabs_blender import import_export, tree_json
 
@@ -102,3 +103,28 @@ def test_what_a_graph_says_of_itself(tree_of: Any) -> None:
     assert not tree.problems
     bpy.ops.flowabs.edit_graph(side="none")
     assert json.dumps(tree_json.graph_of(tree)) == json.dumps(graph)
+
+
+def test_a_path_that_is_no_utf8_is_said(tree_of: Any, tmp_path: Path) -> None:
+    tree = tree_of(small())
+    file = tmp_path / "a.json"
+    file.write_text("before")
+    tree.nodes["plate"].p_file = b"/a\xff.exr".decode(errors="surrogateescape")
+    assert tree_json.graph_of(tree)["nodes"]["plate"]["params"]["file"] == "/a\udcff.exr"
+    with pytest.raises(RuntimeError, match="cannot be written in UTF-8"):
+        bpy.ops.flowabs.export_graph(filepath=str(file), tree="small")
+    assert file.read_text() == "before"
+    assert [each.name for each in tmp_path.iterdir()] == ["a.json"]
+
+
+@pytest.mark.parametrize("graph", [None, [], 3, {"nodes": {1: {}}, "x": object()}, {"nodes": {"\ud800": {}}}])
+def test_what_is_no_graph_fills_nothing(graph: Any, tree_of: Any) -> None:
+    tree = tree_of(small())
+    with pytest.raises(tree_json.GraphError):
+        tree_json.fill(tree, graph)
+    assert json.dumps(tree_json.graph_of(tree)) == json.dumps(small())
+
+
+def test_plain_data_of_python_is_a_graph(tree_of: Any) -> None:
+    graph = small(x={"type": "crop@1", "inputs": {"image": "plate"}, "params": {"box": (0, 0, np.int64(4), 5)}})
+    assert tree_json.graph_of(tree_of(graph))["nodes"]["x"]["params"] == {"box": [0, 0, 4, 5]}
