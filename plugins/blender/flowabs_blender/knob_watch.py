@@ -35,11 +35,12 @@ def positions(tree: bpy.types.NodeTree) -> str:
 
 def ask_after_move(tree: bpy.types.NodeTree) -> None:
     """Have a tree updated soon if a knob has moved since its last update; drawing itself may change nothing."""
-    if positions(tree) != tree.knob_positions and not bpy.app.timers.is_registered(_update_moved):
-        bpy.app.timers.register(_update_moved, first_interval=0.05)
+    if positions(tree) != tree.knob_positions and not bpy.app.timers.is_registered(update_moved):
+        bpy.app.timers.register(update_moved, first_interval=0.05)
 
 
-def _update_moved() -> None:
+def update_moved() -> None:
+    """Update every tree whose knobs have moved since its last update."""
     for tree in bpy.data.node_groups:
         if tree.bl_idname == TREE and positions(tree) != tree.knob_positions:
             tree.update()

@@ -62,42 +62,50 @@ def input_of(node: bpy.types.Node, port: str) -> bpy.types.NodeSocket | None:
     return socket
 
 
-def links_of(node: bpy.types.Node, names: Mapping[str, str]) -> dict[str, Any]:
+#: Where an input is linked to: a node and one of its outputs.
+End = tuple[bpy.types.Node, bpy.types.NodeSocket]
+
+
+def wiring(tree: bpy.types.NodeTree) -> dict[int, End]:
+    """Return where each input that is linked is linked to, through reroutes, by the address of its socket.
+
+    Made once for all nodes: Blender looks through all links of a tree each time that a socket is asked for its own.
+    """
+    direct = {link.to_socket.as_pointer(): (link.from_node, link.from_socket) for link in tree.links}
+    found: dict[int, End] = {}
+    for address, end in direct.items():
+        passed = set()
+        while end is not None and end[0].bl_idname == "NodeReroute" and end[0].name not in passed:
+            passed.add(end[0].name)
+            end = direct.get(end[0].inputs[0].as_pointer())
+        if end is not None and end[0].bl_idname != "NodeReroute":
+            found[address] = end
+    return found
+
+
+def links_of(node: bpy.types.Node, names: Mapping[str, str], wires: Mapping[int, End]) -> dict[str, Any]:
     """Return the links of a node as a graph file has them, in the order that its file had.
 
-    ``names`` are the graph's names of all nodes by the editor's.
+    ``names`` are the graph's names of all nodes by the editor's, ``wires`` the tree's :func:`wiring`.
     """
     record = read_record(node)
     written, kept = written_inputs(record), record.get("kept", {})
     linked = {}
     for socket in node.inputs:
-        output = source(socket)
-        if output is not None and output.node.name in names:
-            linked[socket.port] = _said(output, names, written.get(socket.port))
+        end = wires.get(socket.as_pointer())
+        if end is not None and end[0].name in names:
+            linked[socket.port] = _said(end, names, written.get(socket.port))
     result = {port: linked.get(port, kept.get(port)) for port in written if port in linked or port in kept}
     return result | {port: said for port, said in linked.items() if port not in result}
 
 
-def source(socket: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:
-    """Return the output that an input is linked to, through reroutes; None where it is not linked."""
-    passed = set()
-    while socket.is_linked and socket.links:
-        output = socket.links[0].from_socket
-        if output.node.bl_idname != "NodeReroute":
-            return output
-        if output.node.name in passed:
-            return None
-        passed.add(output.node.name)
-        socket = output.node.inputs[0]
-    return None
-
-
-def _said(output: bpy.types.NodeSocket, names: Mapping[str, str], written: Any) -> str:
+def _said(end: End, names: Mapping[str, str], written: Any) -> str:
     """Return "node" for a node's first output, else "node.output"; the first one in full where the file had it so."""
-    name = names[output.node.name]
+    node, output = end
+    name = names[node.name]
     if output.port == FIRST:
         return name
-    known = declaration_of(output.node) is not None or stored(output.node, "snapshot") != ""
-    first = known and output == output.node.outputs[0]
+    known = declaration_of(node) is not None or stored(node, "snapshot") != ""
+    first = known and output == node.outputs[0]
     in_full = isinstance(written, str) and "." in written
     return f"{name}.{output.port}" if in_full or not first else name

@@ -13,7 +13,7 @@ from flowabs_nodes.nodes.param import Param
 
 from . import animation, layout
 from .identifiers import MISSING, node_id
-from .links import links_of
+from .links import End, links_of
 from .node_classes import body_before, declaration_of
 from .node_record import drive_in, read_record, write_record, written_params
 from .properties import file_value, is_untouched, property_name, set_value, value_of
@@ -62,14 +62,14 @@ def path(node: bpy.types.Node, param: Param) -> str:
     return f'nodes["{bpy.utils.escape_identifier(node.name)}"].{property_name(param)}'
 
 
-def body_of(node: bpy.types.Node, names: Mapping[str, str]) -> Any:
-    """Return a node as a graph file has it; ``names`` are the graph's names of all nodes by the editor's."""
+def body_of(node: bpy.types.Node, names: Mapping[str, str], wires: Mapping[int, End]) -> Any:
+    """Return a node as a graph file has it; ``names`` and ``wires`` are as for ``links_of``."""
     declaration = declaration_of(node)
     body = body_before(node) if declaration is None else read_record(node).get("body", {"type": declaration.name})
     if not isinstance(body, dict):
         return body
     written = body.get("inputs", {})
-    links = links_of(node, names) if isinstance(written, dict) else written
+    links = links_of(node, names, wires) if isinstance(written, dict) else written
     written_here = body.get("params", {})
     readable = declaration is not None and isinstance(written_here, dict)
     params = params_of(node, declaration) if readable and declaration is not None else written_here

@@ -13,7 +13,6 @@ from flowabs_nodes.graph import GraphError, Problem, check
 
 from . import knob_watch, tree_json
 from .identifiers import MISSING, UNDEFINED, graph_nodes
-from .links import source
 
 #: What is said on a node in few words, by the problem's code; the rest is in the tooltip.
 SHORT = {
@@ -94,14 +93,13 @@ def mark_links(tree: bpy.types.NodeTree) -> None:
 
     Blender resets the marks after each change of a tree, after the tree's own ``update``.
     """
-    for node in graph_nodes(tree):
-        if node.bl_idname == UNDEFINED or not node.problems:
-            continue
-        wrong = {
-            problem["place"][1]
-            for problem in json.loads(node.problems)
-            if problem["code"] == "wrong-type" and problem["place"][:1] == ["inputs"] and len(problem["place"]) > 1
-        }
-        for socket in node.inputs:
-            if socket.port in wrong and source(socket) is not None:
-                socket.links[0].is_valid = False
+    wrong = {
+        (node.name, problem["place"][1])
+        for node in graph_nodes(tree)
+        if node.bl_idname != UNDEFINED and node.problems
+        for problem in json.loads(node.problems)
+        if problem["code"] == "wrong-type" and problem["place"][:1] == ["inputs"] and len(problem["place"]) > 1
+    }
+    for link in tree.links if wrong else ():
+        if (link.to_node.name, getattr(link.to_socket, "port", "")) in wrong:
+            link.is_valid = False

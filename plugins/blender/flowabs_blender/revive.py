@@ -6,7 +6,7 @@ import bpy
 
 from . import layout, node_body
 from .identifiers import MISSING, graph_nodes
-from .links import FIRST, input_of
+from .links import FIRST, input_of, wiring
 from .node_record import read_record, write_record
 from .sockets import socket_of
 from .tree_json import names_of
@@ -16,7 +16,8 @@ def revive(tree: bpy.types.NodeTree) -> int:
     """Exchange each missing node that is installed now for one of its type, linked as before; return how many."""
     names = names_of(tree)
     missing = [node for node in graph_nodes(tree) if node.bl_idname == MISSING]
-    bodies = {node.name: node_body.body_of(node, names) for node in missing}
+    wires = wiring(tree)
+    bodies = {node.name: node_body.body_of(node, names, wires) for node in missing}
     back = [node for node in missing if node_body.installed(bodies[node.name]) is not None]
     tree.is_filling = True
     try:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import problems, socket_kinds, spare_inputs
+from . import knob_watch, problems, socket_kinds, spare_inputs
 from .identifiers import TREE
 from .knobs import FlowabsKnob, is_ours
 
@@ -57,7 +57,10 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Take both away again."""
+    """Take both away again, and what was to be done soon."""
+    for soon in (_mark_all_links, knob_watch.update_moved):
+        if bpy.app.timers.is_registered(soon):
+            bpy.app.timers.unregister(soon)
     del bpy.types.Scene.flowabs_tree
     for each in reversed(CLASSES):
         bpy.utils.unregister_class(each)

@@ -22,7 +22,7 @@ from flowabs_nodes.nodes import catalogue
 
 from . import knobs, layout, node_body
 from .identifiers import graph_nodes
-from .links import link_nodes
+from .links import link_nodes, wiring
 from .names import clean, unique
 from .node_record import read_record, stored
 
@@ -38,7 +38,8 @@ def graph_of(tree: bpy.types.NodeTree) -> dict[str, Any]:
         document = _with(document, "interface", interface, before="nodes")
     names = names_of(tree)
     nodes = {tree_node.name: tree_node for tree_node in graph_nodes(tree)}
-    document["nodes"] = {name: node_body.body_of(nodes[key], names) for key, name in names.items()}
+    wires = wiring(tree)
+    document["nodes"] = {name: node_body.body_of(nodes[key], names, wires) for key, name in names.items()}
     recorded = document.get("ui")
     ui = layout.ui_of(tree, names, recorded if isinstance(recorded, dict) else {}, record.get("names", []))
     if ui or isinstance(recorded, dict):

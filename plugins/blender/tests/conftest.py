@@ -1,6 +1,7 @@
 """Registers the extension in the bpy module that runs the tests, and gives each test an empty file."""
 
 import json
+import os
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -12,6 +13,20 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[1]))
 import flowabs_blender
 from flowabs_blender import import_export, tree_json
+
+STATUS = pytest.StashKey[int]()
+
+
+def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:
+    session.config.stash[STATUS] = int(exitstatus)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_unconfigure(config: pytest.Config) -> None:
+    """End at once: Blender 4.5 as a module sometimes hangs while Python takes itself apart."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(config.stash.get(STATUS, 1))
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -134,6 +134,6 @@ def test_knobs_that_do_nothing_are_greyed(tree_of: Any) -> None:
     assert [knob.enabled for knob in tree.knobs] == [True, False]
     tree["form"] = 1 if isinstance(tree["form"], int) else "xdog"
     knob_watch.ask_after_move(tree)  # as the panel does when it is drawn
-    assert bpy.app.timers.is_registered(knob_watch._update_moved)
-    knob_watch._update_moved()
+    assert bpy.app.timers.is_registered(knob_watch.update_moved)
+    knob_watch.update_moved()
     assert [knob.enabled for knob in tree.knobs] == [True, True]
