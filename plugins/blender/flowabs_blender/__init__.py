@@ -31,11 +31,15 @@ OPERATORS_AND_PANELS = (
 
 
 def register() -> None:
-    """Register everything; Blender calls this when the extension is enabled."""
-    tree.register()
+    """Register everything; Blender calls this when the extension is enabled.
+
+    The tree comes last, and goes first: a tree of the open file is updated as soon as Blender knows one of the classes,
+    and needs all of them.
+    """
     for each in (*sockets.classes(), *node_classes.classes(), *OPERATORS_AND_PANELS):
         bpy.utils.register_class(each)
         _classes.append(each)
+    tree.register()
     graph_menu.register()
     add_menu.register()
 
@@ -44,6 +48,6 @@ def unregister() -> None:
     """Take everything away again; trees stay in the file as they are."""
     add_menu.unregister()
     graph_menu.unregister()
+    tree.unregister()
     while _classes:
         bpy.utils.unregister_class(_classes.pop())
-    tree.unregister()

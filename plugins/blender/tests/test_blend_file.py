@@ -78,6 +78,18 @@ def test_a_file_survives_a_save_without_the_extension(tree_of: Any, tmp_path: Pa
     assert json.dumps(tree_json.graph_of(bpy.data.node_groups["small"])) == json.dumps(GRAPH)
 
 
+def test_enabled_and_disabled_while_a_graph_is_open(tree_of: Any, capfd: pytest.CaptureFixture[str]) -> None:
+    tree_of(GRAPH)
+    flowabs_blender.unregister()
+    flowabs_blender.register()
+    tree = bpy.data.node_groups["small"]
+    node_of(tree, "flow").p_radius = 6
+    assert tree_json.graph_of(tree)["nodes"]["flow"]["params"] == {"radius": 6}
+    said = "".join(capfd.readouterr())
+    assert "Traceback" not in said, said
+    assert "Error" not in said, said
+
+
 def test_registered_twice_leaves_nothing_behind() -> None:
     flowabs_blender.unregister()
     assert not hasattr(bpy.types.Scene, "flowabs_tree")
