@@ -1,0 +1,53 @@
+"""flowabs in Blender: graphs as node trees. Only Blender imports it; a script finds what it needs in ``tree_json``."""
+
+from __future__ import annotations
+
+import bpy
+
+from . import (
+    add_menu,
+    driving,
+    graph_menu,
+    graph_settings,
+    import_export,
+    knob_operators,
+    knobs_panel,
+    node_classes,
+    node_operators,
+    sockets,
+    tree,
+)
+
+_classes: list[type] = []  # registered, of nodes and sockets: the catalogue says which there are
+
+OPERATORS_AND_PANELS = (
+    *node_operators.CLASSES,
+    *import_export.CLASSES,
+    *graph_settings.CLASSES,
+    *driving.CLASSES,
+    *knob_operators.CLASSES,
+    *knobs_panel.CLASSES,
+)
+
+
+def register() -> None:
+    """Register everything; Blender calls this when the extension is enabled.
+
+    The tree comes last, and goes first: a tree of the open file is updated as soon as Blender knows one of the classes,
+    and needs all of them.
+    """
+    for each in (*sockets.classes(), *node_classes.classes(), *OPERATORS_AND_PANELS):
+        bpy.utils.register_class(each)
+        _classes.append(each)
+    tree.register()
+    graph_menu.register()
+    add_menu.register()
+
+
+def unregister() -> None:
+    """Take everything away again; trees stay in the file as they are."""
+    add_menu.unregister()
+    graph_menu.unregister()
+    tree.unregister()
+    while _classes:
+        bpy.utils.unregister_class(_classes.pop())

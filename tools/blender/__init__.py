@@ -1,0 +1,1 @@
+"""Run the tests of ``plugins/blender`` in each Blender that is supported."""
