@@ -55,6 +55,8 @@ class PixelType:
         asked for, every bit as it is.
     usual
         The range in which most values lie, for pictures that show or test the type.
+    rgba
+        Which of the channels R, G, B, A of a host's picture hold one of the type; "" where none can.
     look
         "module:function", imported when it is first needed, that makes a picture to look at (``--view``); not asked
         for of color, which goes through the view transform.
@@ -74,6 +76,7 @@ class PixelType:
     outside: float = 0.0
     stored: Literal["plate", "float", "read", "exact"] = "exact"
     usual: tuple[float, float] = (0.0, 1.0)
+    rgba: str = ""
     look: str = "flowabs_nodes.looking.data:look_at_data"
 
     @property
@@ -134,6 +137,7 @@ _DECLARED: dict[str, PixelType] = {
             filtered=True,
             light=True,
             stored="plate",
+            rgba="RGBA",
         ),
         PixelType(
             "mono",
@@ -145,6 +149,7 @@ _DECLARED: dict[str, PixelType] = {
             light=True,
             stored="plate",
             usual=(-10.0, 30.0),
+            rgba="R",
             look="flowabs_nodes.looking.grey:look_at_grey",
         ),
         PixelType(
@@ -155,6 +160,7 @@ _DECLARED: dict[str, PixelType] = {
             widens_to=frozenset({"mono", "color"}),
             filtered=True,
             stored="plate",
+            rgba="A",
             look="flowabs_nodes.looking.grey:look_at_grey",
         ),
         PixelType(
@@ -173,6 +179,7 @@ _DECLARED: dict[str, PixelType] = {
             channels=(("Z",),),
             outside=FAR,
             usual=(1.0, 50.0),
+            rgba="R",
             look="flowabs_nodes.looking.depth:look_at_depth",
         ),
         PixelType(
@@ -181,6 +188,7 @@ _DECLARED: dict[str, PixelType] = {
             help="unit normals, in the renderer's space",
             channels=(("N.X", "N.Y", "N.Z"),),
             unit=True,
+            rgba="RGB",
             look="flowabs_nodes.looking.normal:look_at_normal",
         ),
         PixelType(
@@ -190,6 +198,7 @@ _DECLARED: dict[str, PixelType] = {
             channels=(("motion.X", "motion.Y", "motion.Z", "motion.W"),),
             lengths=("x", "y", "x", "y"),
             usual=(-8.0, 8.0),
+            rgba="RGBA",
             look="flowabs_nodes.looking.motion:look_at_motion",
         ),
         PixelType(
@@ -200,6 +209,7 @@ _DECLARED: dict[str, PixelType] = {
             dtype=np.dtype(np.uint32),
             blends=False,
             usual=(0.0, 4294967296.0),
+            rgba="R",
             look="flowabs_nodes.looking.ids:look_at_ids",
         ),
         PixelType(

@@ -47,9 +47,6 @@ _CLIPS = ("Source", "Output", "Mask")
 
 _TYPES = {"float": "double", "int": "int", "enum": "choice", "bool": "boolean", "color": "rgb", "string": "string"}
 
-#: Which channels of an RGBA clip hold a picture of each type of port. Others have no form in a clip.
-_CHANNELS = {"color": "RGBA", "mono": "R", "matte": "A", "depth": "R", "normal": "RGB", "motion": "RGBA", "id": "R"}
-
 
 def effects_document(folders: Iterable[str | os.PathLike[str]] | None = None) -> tuple[dict[str, Any], list[str]]:
     """Return what ``effects.json`` holds, and a sentence for each graph that can be no effect.
@@ -124,12 +121,12 @@ def _clips(graph: Graph, reads: Iterable[Mapping[str, Any]]) -> list[dict[str, s
     """Return the optional clips for what a graph reads beside the plate."""
     found = []
     for read in reads:
-        given, types = _given(graph, read), read["type"].split("|")
-        if types[0] not in _CHANNELS:
+        given, channels = _given(graph, read), TYPES[read["type"].partition("|")[0]].rgba
+        if not channels:
             continue
         name = given.replace(".", "_")
         name = f"{name}_" if name in _CLIPS else name
-        found.append({"name": name, "label": read["label"], "given": given, "channels": _CHANNELS[types[0]]})
+        found.append({"name": name, "label": read["label"], "given": given, "channels": channels})
     return found
 
 
