@@ -68,6 +68,11 @@ def bilateral_oriented(sigma_e: float, sigma_g: float, iterations: int, kernel: 
     return iterations * (arc + flow_blur(sigma_g)) + 1  # the curvature reads the tangents beside the pixel
 
 
+def quantize(by_gradient: float, gradient_length: float) -> int:
+    """Return the halo of quantising, which reads other pixels only where steps go by the gradient."""
+    return radius(gradient_length) + _SOBEL if by_gradient > 0 else 0
+
+
 def bilateral(sigma_d: float, iterations: int) -> int:
     """Return the halo of ``iterations`` bilateral filters over +-ceil(3 sigma_d)."""
     return iterations * radius(sigma_d)

@@ -27,9 +27,10 @@ def finish(codes: Codes, operations: tuple[Operation, ...], colorspace: ColorSpa
     def begin(first: int, last: int) -> Array:
         """Return decoded rows."""
         under = None if codes.under is None else codes.under[first:last]
-        lines = None if ink is None else ink._replace(lines=ink.lines[first:last])
+        flat = None if quantize is None else quantize.on_rows(first, last)
+        lines = None if ink is None else ink.on_rows(first, last)
         try:
-            return decoded(Codes(codes.values[first:last], codes.space, under), quantize, lines, colorspace)
+            return decoded(Codes(codes.values[first:last], codes.space, under), flat, lines, colorspace)
         except ArgumentError:
             decoded(codes, quantize, ink, colorspace)  # counts and places what is wrong in the whole picture
             raise
@@ -40,7 +41,7 @@ def finish(codes: Codes, operations: tuple[Operation, ...], colorspace: ColorSpa
 def finish_pixels(pixels: Array, operation: Operation, colorspace: ColorSpace) -> Array:
     """Return a picture (H, W, C) of float32 pixels after one operation; errors are those of :func:`finish`."""
     if isinstance(operation, Quantize):
-        return quantized(pixels, operation.levels, operation.softness, colorspace)
+        return quantized(pixels, operation, colorspace)
     if isinstance(operation, Ink):
         return inked(pixels, operation.lines, (*operation.color, operation.opacity))
     return in_bands(pixels.shape, lambda first, last: pixels[first:last].copy(), (operation,), colorspace)

@@ -47,9 +47,10 @@ def in_bands(
 def _done(operation: Operation, rows: Array, first: int, colorspace: ColorSpace) -> Array:
     """Return ``rows`` of a picture, the first of which has the number ``first``, after one operation."""
     if isinstance(operation, Quantize):
-        return quantized(rows, operation.levels, operation.softness, colorspace)
+        return quantized(rows, operation.on_rows(first, first + len(rows)), colorspace)
     if isinstance(operation, Ink):
-        return inked(rows, operation.lines[first : first + len(rows)], (*operation.color, operation.opacity))
+        lines = operation.on_rows(first, first + len(rows)).lines
+        return inked(rows, lines, (*operation.color, operation.opacity))
     try:
         return _changed(operation, rows, first)
     except FlowabsError as error:

@@ -20,6 +20,15 @@ class Quantize(NamedTuple):
 
     levels: int  # bins of 0..100
     softness: float  # width of the ramp between bins, as a part of a bin, 0 to 1
+    phase: float = 0.0  # shift of the bins, as a part of a bin, 0 to 1
+    chroma: float = 1.0  # gain on a* and b*
+    by_gradient: float = 0.0  # how far ``rises`` decide how hard a step is, 0 to 1
+    hard_gradient: float = 1.0  # rise of L* from which a step is hard
+    rises: Array | None = None  # (H, W), rise of L* (filters/regions/rise.py), where ``by_gradient`` is above 0
+
+    def on_rows(self, first: int, last: int) -> Quantize:
+        """Return the operation on the rows ``first`` .. ``last`` - 1 alone."""
+        return self if self.rises is None else self._replace(rises=self.rises[first:last])
 
 
 class Ink(NamedTuple):
@@ -28,6 +37,10 @@ class Ink(NamedTuple):
     lines: Array  # (H, W), 1 paper and 0 ink
     color: tuple[float, float, float]  # scene-linear
     opacity: float  # 0 to 1
+
+    def on_rows(self, first: int, last: int) -> Ink:
+        """Return the operation on the rows ``first`` .. ``last`` - 1 alone."""
+        return self._replace(lines=self.lines[first:last])
 
 
 class OnRows(NamedTuple):

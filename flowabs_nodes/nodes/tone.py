@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ArgumentError
+from flowabs_nodes.filters import halo
 from flowabs_nodes.finishing.deferred import with_operation
 from flowabs_nodes.finishing.operations import Quantize
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
-from flowabs_nodes.nodes.regions import pixelwise
+from flowabs_nodes.nodes.regions import pixelwise, within
 
 
 def run_exposure(context: Context, image: Image, *, stops: float) -> Image:
@@ -45,8 +49,17 @@ EXPOSURE = Node(
 )
 
 
-def run_quantize(context: Context, image: Image, *, levels: int, softness: float) -> Image:
-    return with_operation(image, Quantize(levels, softness))
+def run_quantize(context: Context, image: Image, *, by_gradient: float, gradient_length: float, **steps: Any) -> Image:
+    rises = None
+    if by_gradient > 0:
+        from flowabs_nodes.filters.regions.rise import rise  # what numba compiles is not imported for a declaration
+
+        rises = rise(image.encoded_mono("lab"), gradient_length, unit=1 / 2.55)
+    return with_operation(image, Quantize(by_gradient=by_gradient, rises=rises, **steps))
+
+
+def _quantize_halo(params: Mapping[str, Any]) -> int:
+    return halo.quantize(params["by_gradient"], params["gradient_length"])
 
 
 QUANTIZE = Node(
@@ -58,7 +71,8 @@ QUANTIZE = Node(
     doc=(
         "The paper's region flattening (section 4.1): L* falls into bins of equal size. A gain on scene-linear RGB, "
         "so that hue stays and no negative value is made; bins go on above white. Between L* 8 and 1 the gain comes "
-        "down to 1: what is darker, and noise below zero, stays what it is."
+        "down to 1: what is darker, and noise below zero, stays what it is. By the gradient (after Winnemoeller et "
+        "al. 2006), steps are hard along edges, and where lightness is level or a slow ramp nearly gone."
     ),
     inputs=(Port("image", "color", "The picture, usually smoothed by fbl."),),
     outputs=(Port("image", "color", "The flattened picture."),),
@@ -75,7 +89,55 @@ QUANTIZE = Node(
             unit="bins",
             help="Width of the step from one level to the next: 0 is hard, 1 a smooth ramp.",
         ),
+        Param.float(
+            "phase",
+            0.0,
+            min=0,
+            max=1,
+            soft=(0, 1),
+            unit="bins",
+            help="Moves all steps up: where they fall across a face or a wall. 1 is a whole level.",
+        ),
+        Param.float(
+            "chroma",
+            1.0,
+            min=0,
+            max=10,
+            soft=(0, 2),
+            help="Gain on a* and b*: 0 is grey, 1 leaves colours as they are. Above 1, negative values may be made.",
+        ),
+        Param.float(
+            "by_gradient",
+            0.0,
+            min=0,
+            max=1,
+            soft=(0, 1),
+            group="By the gradient",
+            help="How far steps are hard only where lightness is steep: 1 leaves no bands in a clear sky, 0 bands all.",
+        ),
+        Param.float(
+            "gradient_length",
+            1.0,
+            min=0,
+            max=200,
+            above=True,
+            soft=(0.5, 4),
+            unit="px",
+            floor=0.5,
+            group="By the gradient",
+            help="Gaussian before the gradient, and the length that the rise of lightness is measured over.",
+        ),
+        Param.float(
+            "hard_gradient",
+            5.0,
+            min=0.001,
+            max=1000,
+            soft=(1, 10),
+            unit="L*",
+            group="By the gradient",
+            help="Rise of L* over that length from which a step is hard: lower paints soft shading in patches too.",
+        ),
     ),
     run=run_quantize,
-    region=pixelwise("image"),
+    region=within(_quantize_halo, "image"),
 )

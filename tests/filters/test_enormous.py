@@ -35,6 +35,7 @@ FILTERS = {
     "canny": lambda picture: filters.canny(grey(picture)),
     "quantize": lambda picture: filters.quantize(grey(picture), 1000, 0.5),
     "quantize, hard": lambda picture: filters.quantize(grey(picture)),
+    "quantize by the gradient": lambda picture: filters.quantize(grey(picture), 10, 0.5, 0.3, by_gradient=1.0),
     "blur": lambda picture: filters.blur(picture, 2),
     "flow_blur": lambda picture: filters.flow_blur(picture, FLOW),
     "composite": lambda picture: filters.composite(picture, LINES, (3e38, 1, -3e38)),

@@ -34,6 +34,11 @@ CASES = {
         0,
     ),
     "bilateral": (lambda code: filters.bilateral(code, 2.0, 1000.0, 1), halo.bilateral(2.0, 1), 0),
+    "quantize": (
+        lambda code: filters.quantize(code[..., 0] / 2.55, by_gradient=1.0, gradient_length=1.7, hard_gradient=100.0),
+        halo.quantize(1.0, 1.7),
+        0,
+    ),
     "flow_blur": (lambda code: filters.flow_blur(code, level(SIZE, SIZE), 3.0), halo.flow_blur(3.0), 1),
     "fdog": (lambda code: filters.fdog(code[..., 0], level(SIZE, SIZE), 3.0, 1.0), halo.flow_blur(3.0), 1),
     "fbl": (
@@ -59,7 +64,7 @@ def test_a_pixel_inside_the_halo_counts_and_one_outside_does_not(noise, name):
 
 
 def test_what_changes_nothing_has_no_halo():
-    assert halo.blur(0) == halo.flow_blur(0) == halo.bilateral(2.0, 0) == halo.fbl(2.0, 0.5, 0) == 0
+    assert halo.blur(0) == halo.flow_blur(0) == halo.bilateral(2.0, 0) == halo.fbl(2.0, 0.5, 0) == halo.quantize(0.0, 2.0) == 0
     assert halo.etf(1.0, 3, 0.0) == halo.etf(0.0, 3, 0.0) == halo.etf(9.0, 0, 0.0) == 1  # the gradient alone
 
 

@@ -8,6 +8,7 @@ import pytest
 from flowabs_nodes import color, filters
 from flowabs_nodes.color.codes import Codes, encoded
 from flowabs_nodes.errors import ArgumentError
+from flowabs_nodes.filters.regions.rise import rise
 from flowabs_nodes.finishing.finish import finish
 from flowabs_nodes.finishing.fused import decoded, quantized
 from flowabs_nodes.finishing.operations import Ink, Operation, Quantize
@@ -19,6 +20,8 @@ RANDOM = np.random.default_rng(11)
 RGB = RANDOM.uniform(0, 1.5, (*SHAPE, 3)).astype(np.float32)
 LINES = RANDOM.random(SHAPE, np.float32)
 INK = Ink(LINES, (0.1, 0.2, 0.3), 0.7)
+FIVE = Quantize(5, 0.5)
+BY_GRADIENT = Quantize(5, 0.5, 0.3, 1.2, 0.9, 4.0, 6 * RANDOM.random(SHAPE, np.float32))
 
 
 def under() -> np.ndarray:
@@ -31,7 +34,7 @@ def one_after_the_other(codes: Codes, operations: tuple[Operation, ...]) -> np.n
     pixels = codes.decode(REC709)
     for operation in operations:
         if isinstance(operation, Quantize):
-            pixels = quantized(pixels, operation.levels, operation.softness, REC709)
+            pixels = quantized(pixels, operation, REC709)
         else:
             alpha = pixels[..., 3] if pixels.shape[2] == 4 else None
             rgb = filters.composite(pixels[..., :3], operation.lines, operation.color, operation.opacity, alpha)
@@ -47,6 +50,7 @@ def one_after_the_other(codes: Codes, operations: tuple[Operation, ...]) -> np.n
         ("lab", (Quantize(6, 0.5),)),
         ("lab", (INK,)),
         ("lab", (Quantize(4, 0.3), INK)),
+        ("lab", (BY_GRADIENT, INK)),
         ("acescct", (INK,)),
     ],
 )
@@ -73,7 +77,7 @@ def test_quantised_greys() -> None:
     grey = np.repeat(color.lstar_inverse(lstar)[..., None], 3, 2)
     expected = [[12.5, 37.5, 62.5, 87.5]]
     for pixels in (
-        quantized(grey, 4, 0.0, REC709),
+        quantized(grey, Quantize(4, 0.0), REC709),
         finish(Codes(color.encode(grey), "lab"), (Quantize(4, 0.0),), REC709),
     ):
         np.testing.assert_allclose(color.lstar(color.luminance(pixels)), expected, atol=1e-3)
@@ -101,7 +105,7 @@ def test_pixels_that_are_not_finite_are_counted() -> None:
     rgb = RGB.copy()
     rgb[0, :2, 0] = np.nan
     with pytest.raises(ArgumentError, match="found 2 that are NaN or Inf"):
-        quantized(rgb, 4, 0.0, REC709)
+        quantized(rgb, Quantize(4, 0.0), REC709)
 
 
 @pytest.mark.parametrize("softness", [0.0, 0.5, 1.0])
@@ -113,7 +117,7 @@ def test_the_gain_is_the_definition_s(levels: int, softness: float) -> None:
     rgb = color.lstar_inverse(lstar)[None, :, None] * np.float32([1.5, 0.9, 0.5])
     rgb /= color.luminance(np.float32([1.5, 0.9, 0.5]))
     expected = [naive.gain(float(value), levels, softness) for value in lstar]
-    flat = quantized(rgb, levels, softness, REC709)
+    flat = quantized(rgb, Quantize(levels, softness), REC709)
     np.testing.assert_allclose(flat, rgb * np.array(expected)[None, :, None], rtol=1e-4, atol=1e-6)
     on_the_way = decoded(Codes(color.encode(rgb), "lab"), Quantize(levels, softness), None, REC709)
     np.testing.assert_allclose(on_the_way, flat, rtol=2e-4, atol=2e-6)
@@ -136,7 +140,7 @@ LIGHTLESS = {
 @pytest.mark.parametrize("steps", [Quantize(1, 0.0), Quantize(8, 0.0), Quantize(10, 0.7), Quantize(1000, 1.0)])
 def test_a_pixel_without_luminance_stays_what_it_is(rgb: tuple[float, ...], steps: Quantize) -> None:
     pixels = np.full((4, 9, 3), rgb, np.float32)
-    np.testing.assert_array_equal(quantized(pixels, *steps, REC709), pixels)
+    np.testing.assert_array_equal(quantized(pixels, steps, REC709), pixels)
     codes = Codes(color.encode(pixels), "lab")
     np.testing.assert_array_equal(decoded(codes, steps, None, REC709), codes.decode(REC709))
     np.testing.assert_allclose(codes.decode(REC709), pixels, rtol=0, atol=3e-5 * np.abs(pixels).max() + 1e-37)
@@ -147,7 +151,7 @@ def test_a_pixel_without_luminance_stays_what_it_is(rgb: tuple[float, ...], step
 def test_light_outside_the_gamut_keeps_its_colour() -> None:
     """Its negative channels are scaled with the rest."""
     rgb = np.float32([[[-0.2, -0.1, 3], [-0.05, 0.9, -0.02], [1.4, -0.1, -0.05], [-4, 1.2, 30]]])
-    flat = quantized(rgb, 6, 0.5, REC709)
+    flat = quantized(rgb, Quantize(6, 0.5), REC709)
     assert (color.luminance(rgb) > 0).all()
     np.testing.assert_allclose(flat / flat[..., 2:], rgb / rgb[..., 2:], rtol=1e-5)
 
@@ -160,7 +164,7 @@ def test_pixels_that_are_not_covered_come_out_as_they_went_in(alpha: float) -> N
     codes = Codes(encoded(below, "lab", REC709, mono=False)[0], "lab", below)
     for flat in (
         codes.decode(REC709),
-        quantized(below, 4, 0.5, REC709),
+        quantized(below, Quantize(4, 0.5), REC709),
         decoded(codes, Quantize(4, 0.5), None, REC709),
     ):
         np.testing.assert_array_equal(flat[[0, 2]], below[[0, 2]])
@@ -183,3 +187,46 @@ def test_code_values_beyond_light_are_refused(codes: tuple[float, ...], operatio
     values[2, 3] = codes
     with pytest.raises(ArgumentError, match=r"codes: .* found larger ones in 1 pixels, the first .* at x 3, y 2"):
         finish(Codes(values, "lab"), operations, REC709)
+
+
+@pytest.mark.parametrize("chroma", [0.0, 0.6, 1.3])
+def test_chroma_is_a_gain_on_a_and_b(chroma: float) -> None:
+    """From L* 8 up; colours at L* 1 and below stay. Pixels and code values are of one mind."""
+    codes = RANDOM.uniform(-60, 60, (*SHAPE, 3)).astype(np.float32)
+    codes[..., 0] = RANDOM.uniform(0.1, 250, SHAPE)
+    rgb = color.decode(codes)
+    lstar = codes[..., :1] / 2.55
+    gain = 1 + (chroma - 1) * np.clip((lstar - 1) / 7, 0, 1)
+    expected = quantized(color.decode(codes * np.concatenate([np.ones_like(gain), gain, gain], 2)), FIVE, REC709)
+    with_chroma = FIVE._replace(chroma=chroma)
+    np.testing.assert_allclose(quantized(rgb, with_chroma, REC709), expected, rtol=1e-4, atol=1e-4)
+    np.testing.assert_allclose(decoded(Codes(codes, "lab"), with_chroma, None, REC709), expected, rtol=1e-4, atol=1e-4)
+    dark = lstar[..., 0] <= 1
+    np.testing.assert_array_equal(quantized(rgb, with_chroma, REC709)[dark], rgb[dark])
+
+
+def test_no_chroma_is_grey_and_alpha_stays() -> None:
+    below = under()
+    grey = quantized(below, FIVE._replace(chroma=0.0), REC709)
+    covered = below[..., 3] > 0
+    light = color.lstar(color.luminance(grey[..., :3])) / np.where(covered, below[..., 3], 1) > 8
+    np.testing.assert_allclose(grey[..., 0][covered & light], grey[..., 2][covered & light], rtol=1e-4)
+    np.testing.assert_array_equal(grey[..., 3], below[..., 3])
+    np.testing.assert_array_equal(grey[~covered], below[~covered])
+
+
+def test_a_phase_moves_the_levels() -> None:
+    """Half a bin up, four levels are the L* 6.25 (what is left of the first), 25, 50, 75 and 100."""
+    grey = np.repeat(color.lstar_inverse(np.array([[11, 20, 60, 90]], np.float32))[..., None], 3, 2)
+    flat = quantized(grey, Quantize(4, 0.0, phase=0.5), REC709)
+    np.testing.assert_allclose(color.lstar(color.luminance(flat)), [[6.25, 25, 50, 100]], atol=1e-3)
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.4])
+def test_the_gain_by_the_gradient_is_the_filter_s(phase: float) -> None:
+    lstar = RANDOM.uniform(9, 120, SHAPE).astype(np.float32)
+    rgb = np.repeat(color.lstar_inverse(lstar)[..., None], 3, 2)
+    steps = Quantize(7, 0.3, phase, by_gradient=0.8, hard_gradient=20.0, rises=rise(lstar, 1.2))
+    expected = filters.quantize(lstar, 7, 0.3, phase, 0.8, 1.2, 20.0)
+    for flat in (quantized(rgb, steps, REC709), decoded(Codes(color.encode(rgb), "lab"), steps, None, REC709)):
+        np.testing.assert_allclose(color.lstar(color.luminance(flat)), expected, atol=2e-2)

@@ -24,6 +24,7 @@ RGB = RANDOM.uniform(0, 1.5, (*SHAPE, 3)).astype(np.float32)
 ALPHA = np.clip(RANDOM.uniform(-0.3, 1.3, (*SHAPE, 1)), 0, 1).astype(np.float32)
 UNDER = np.concatenate([RGB * ALPHA, ALPHA], 2)
 QUANTIZE, INK = Quantize(4, 0.3), Ink(RANDOM.random(SHAPE, np.float32), (0.1, 0.2, 0.3), 0.7)
+BY_GRADIENT = Quantize(4, 0.3, 0.2, 1.1, 0.9, 4.0, 6 * RANDOM.random(SHAPE, np.float32))
 
 
 def ramp(rows: Array, first_row: int) -> None:
@@ -40,7 +41,7 @@ def one_after_the_other(pixels: Array, operations: tuple[Operation, ...]) -> Arr
     """Do the operations on a whole picture, each on its own."""
     for operation in operations:
         if isinstance(operation, Quantize):
-            pixels = quantized(pixels, operation.levels, operation.softness, REC709)
+            pixels = quantized(pixels, operation, REC709)
         elif isinstance(operation, Ink):
             alpha = pixels[..., 3] if pixels.shape[2] == 4 else None
             rgb = filters.composite(pixels[..., :3], operation.lines, operation.color, operation.opacity, alpha)
@@ -61,6 +62,8 @@ def one_after_the_other(pixels: Array, operations: tuple[Operation, ...]) -> Arr
         (OnRows(swapped), OnRows(ramp)),
         (OnRows(ramp), QUANTIZE, INK),
         (INK, QUANTIZE),
+        (OnRows(swapped), BY_GRADIENT, INK),
+        (OnRows(ramp), BY_GRADIENT),
         (INK, OnRows(swapped), INK),
     ],
 )
