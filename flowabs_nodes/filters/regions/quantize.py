@@ -51,9 +51,9 @@ def quantize(
     f / 2) D, where e = round(u - f) and t = clamp((u - f - e) / s + 1/2, 0, 1).
 
     By the gradient, with g the rise of L* (:mod:`~flowabs_nodes.filters.regions.rise`), h = smoothstep(0,
-    ``hard_gradient``, g) and a = ``by_gradient``: s becomes s + a (w - s) with w = clamp(g / D, 1 - h, 1), the whole bin
-    where lightness is level, and never so narrow that a step takes less than the gradient's length, which would be
-    jagged; and the result is L* + (Q - L*) (1 - .55 a (1 - h)).
+    ``hard_gradient``, g) and a = ``by_gradient``: s becomes s + a (w - s) with w = clamp(g / D, 1 - h, 1), the whole
+    bin where lightness is level, and never so narrow that a step takes less than the gradient's length, which would
+    be jagged; and the result is L* + (Q - L*) (1 - .55 a (1 - h)).
 
     Parameters
     ----------

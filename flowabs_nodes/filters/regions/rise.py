@@ -6,6 +6,8 @@ whose sigma is scaled with it. The gradient is a 3x3 Sobel filter divided by 8; 
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from flowabs_nodes.array_types import Array
@@ -30,57 +32,67 @@ def rise(lightness: Array, sigma: float, unit: float = 1.0) -> Array:
         What the result is multiplied by: 1 / 2.55 makes L* of code values.
     """
     height, width = lightness.shape
-    if width < LANES:  # more of the repeated border changes nothing but the columns that are cut off again
-        wide = np.pad(lightness, [(0, 0), (0, LANES - width)], "edge")
-        return np.ascontiguousarray(rise(wide, sigma, unit)[:, :width])
-    rises, weights = np.empty((height, width), np.float32), np.float32(gaussian.half(sigma))
-    over_rows(_rise, height, lightness.reshape(-1), height, width, weights, np.float32(unit * sigma), rises.reshape(-1))
-    return rises
+    if width < LANES:  # the columns that repeat the border are cut off again
+        lightness = np.pad(lightness, [(0, 0), (0, LANES - width)], "edge")
+    rises, weights = np.empty_like(lightness), np.float32(gaussian.half(sigma))
+    shape = RowsShape(height, width, lightness.shape[1])
+    over_rows(_rise, height, lightness.reshape(-1), shape, weights, np.float32(unit * sigma), rises.reshape(-1))
+    return np.ascontiguousarray(rises[:, :width])
+
+
+class RowsShape(NamedTuple):
+    """The shape of a picture whose rows are longer in memory than its width where that is less than sixteen."""
+
+    height: int
+    width: int
+    stride: int  # items from one row to the next
 
 
 @kernel
 def _rise(
-    first: int, last: int, lightness: Array, height: int, width: int, weights: Array, factor: float, rises: Array
+    first: int, last: int, lightness: Array, shape: RowsShape, weights: Array, factor: float, rises: Array
 ) -> None:
     """Write the rows ``first`` .. ``last`` - 1 of ``factor`` |grad(G * L)|; both pictures are flattened."""
-    column = np.empty(width + 2 * (weights.size - 1), np.float32)
-    rows = np.empty((3, width + 2), np.float32)  # of the blurred picture, with the border repeated once
+    stride = shape.stride
+    column = np.empty(stride + 2 * (weights.size - 1), np.float32)
+    rows = np.empty((3, stride + 2), np.float32)  # of the blurred picture, with the border repeated
     for y in range(first - 1, first + 1):
-        _blur_row(lightness, height, width, weights, y, column, rows[y % 3])
+        _blur_row(lightness, shape, weights, y, column, rows[y % 3])
     for y in range(first, last):
-        _blur_row(lightness, height, width, weights, y + 1, column, rows[(y + 1) % 3])
+        _blur_row(lightness, shape, weights, y + 1, column, rows[(y + 1) % 3])
         above, here, below = rows[(y - 1) % 3], rows[y % 3], rows[(y + 1) % 3]
-        for x0 in range(0, width, LANES):
-            x = min(x0, width - LANES)
+        for x0 in range(0, stride, LANES):
+            x = min(x0, stride - LANES)
             a, b, c = load(above, x), load(above, x + 1), load(above, x + 2)
             p, q, r = load(below, x), load(below, x + 1), load(below, x + 2)
             gx = (c - a) + (r - p) + 2.0 * (load(here, x + 2) - load(here, x))
             gy = (p - a) + (r - c) + 2.0 * (q - b)
-            store(rises, y * width + x, sqrt(gx * gx + gy * gy) * (0.125 * factor))
+            store(rises, y * stride + x, sqrt(gx * gx + gy * gy) * (0.125 * factor))
 
 
 @inlined
-def _blur_row(lightness: Array, height: int, width: int, weights: Array, y: int, column: Array, row: Array) -> None:
-    """Write row y of G * L to ``row``, W + 2 items; beyond the picture it is the nearest row inside.
+def _blur_row(lightness: Array, shape: RowsShape, weights: Array, y: int, column: Array, row: Array) -> None:
+    """Write row y of G * L to ``row``, from its second item on; beyond the picture it is the nearest row inside.
 
     ``column`` is memory for the row blurred along y alone, with the Gaussian's reach to either side.
     """
+    height, width, stride = shape
     steps = weights.size - 1
     y = min(max(y, 0), height - 1)
-    for x0 in range(0, width, LANES):
-        x = min(x0, width - LANES)
-        total = weights[0] * load(lightness, y * width + x)
+    for x0 in range(0, stride, LANES):
+        x = min(x0, stride - LANES)
+        total = weights[0] * load(lightness, y * stride + x)
         for k in range(1, steps + 1):
             above, below = max(y - k, 0), min(y + k, height - 1)
-            total = total + weights[k] * (load(lightness, above * width + x) + load(lightness, below * width + x))
+            total = total + weights[k] * (load(lightness, above * stride + x) + load(lightness, below * stride + x))
         store(column, steps + x, total)
     repeat_left(column, steps, steps, 1)
-    repeat_right(column, steps + width, steps, 1)
-    for x0 in range(0, width, LANES):
-        x = min(x0, width - LANES)
+    repeat_right(column, steps + stride, steps, 1)
+    for x0 in range(0, stride, LANES):
+        x = min(x0, stride - LANES)
         total = weights[0] * load(column, steps + x)
         for k in range(1, steps + 1):
             total = total + weights[k] * (load(column, steps + x - k) + load(column, steps + x + k))
         store(row, 1 + x, total)
     repeat_left(row, 1, 1, 1)
-    repeat_right(row, 1 + width, 1, 1)
+    repeat_right(row, 1 + width, stride - width + 1, 1)

@@ -11,7 +11,7 @@ NOISE = np.random.default_rng(5).uniform(0, 100, (39, 35)).astype(np.float32)
 
 
 @pytest.mark.parametrize("sigma", [0.3, 1.0, 2.4])
-@pytest.mark.parametrize("shape", [(39, 35), (1, 1), (1, 20), (20, 1), (3, 16)])
+@pytest.mark.parametrize("shape", [(39, 35), (1, 1), (1, 20), (20, 1), (9, 5), (5, 15), (3, 16), (4, 17)])
 def test_equals_the_definition(shape, sigma):
     picture = np.ascontiguousarray(NOISE[: shape[0], : shape[1]])
     np.testing.assert_allclose(rise(picture, sigma), naive.rises(picture, sigma), atol=2e-5)
