@@ -123,7 +123,6 @@ QUANTIZE = Node(
             above=True,
             soft=(0.5, 4),
             unit="px",
-            floor=0.5,
             group="By the gradient",
             help="Gaussian before the gradient, and the length that the rise of lightness is measured over.",
         ),
