@@ -22,11 +22,13 @@ from flowabs_nodes.errors import WriteError
 from flowabs_nodes.image import Image
 from flowabs_nodes.io import alpha as alphas
 from flowabs_nodes.io import attributes, exr_header, nonfinite, pixel_hash
+from flowabs_nodes.io.exr_threads import encoding_threads
 from flowabs_nodes.io.formats import Format
 from flowabs_nodes.io.output_image import Picture, layer_planes, main_planes
 from flowabs_nodes.io.passthrough import alpha_left_out, passthrough_layers
 from flowabs_nodes.io.provenance import KEY, PIXELS
 from flowabs_nodes.port_types import pixel_type
+from flowabs_nodes.simd.bands import over_rows
 
 Say = Callable[[str], None]
 Planes = dict[str, npt.NDArray[Any]]
@@ -82,7 +84,8 @@ def encode_exr(picture: Picture, format: Format, stamps: Mapping[str, str], warn
     exr_header.check_container(parts)
     stream = io.BytesIO()
     try:
-        OpenEXR.File([OpenEXR.Part(part, planes, part.get("name", "")) for part, planes in parts]).write(stream)
+        with encoding_threads():
+            OpenEXR.File([OpenEXR.Part(part, planes, part.get("name", "")) for part, planes in parts]).write(stream)
     except (RuntimeError, ValueError, TypeError) as error:
         raise WriteError(f"cannot be encoded as EXR: {error}") from error
     if KEY in stamps:
@@ -163,20 +166,39 @@ def _typed(name: str, image: Image, planes: Mapping[str, Array], kind: str, warn
         return {channel: np.ascontiguousarray(plane) for channel, plane in planes.items()}
     limit = np.float32(HALF_MAX if kind == "half" else np.finfo(np.float32).max)
     clamped = 0
+    data_type = np.dtype(np.float16 if kind == "half" else np.float32)
     typed: Planes = {}
     for channel, plane in planes.items():
+        if (within := _within(plane, limit, data_type)) is not None:
+            typed[channel] = within
+            continue
         if nans and not as_they_are:
             plane = np.where(np.isnan(plane), np.float32(0), plane)
-        if not (plane.max() <= limit and plane.min() >= -limit):
-            beyond = np.abs(plane) > limit
-            if as_they_are:
-                beyond &= np.isfinite(plane)
-            clamped += int(beyond.sum())
-            plane = np.where(beyond, np.copysign(limit, plane), plane)
-        typed[channel] = np.ascontiguousarray(plane, np.float16 if kind == "half" else np.float32)
+        beyond = np.abs(plane) > limit
+        if as_they_are:
+            beyond &= np.isfinite(plane)
+        clamped += int(beyond.sum())
+        plane = np.where(beyond, np.copysign(limit, plane), plane)
+        typed[channel] = np.ascontiguousarray(plane, data_type)
     if clamped:
         warn(f"{name}: {clamped} values beyond {kind} clamped to ±{limit:.6g}")
     return typed
+
+
+def _within(plane: npt.NDArray[Any], limit: np.float32, data_type: np.dtype[Any]) -> npt.NDArray[Any] | None:
+    """Return a plane (H, W) in a data type, contiguous; None where a number is NaN or further than ``limit`` from 0."""
+    as_it_is = plane.dtype == data_type and plane.flags.c_contiguous
+    typed = plane if as_it_is else np.empty(plane.shape, data_type)
+
+    def convert(first: int, last: int) -> bool:
+        """Convert some rows, which are looked at while they are in the processor's cache."""
+        rows = plane[first:last]
+        fits = bool(rows.max() <= limit and rows.min() >= -limit)
+        if fits and not as_it_is:
+            typed[first:last] = rows
+        return fits
+
+    return typed if all(over_rows(convert, len(plane))) else None
 
 
 def _part(header: dict[str, Any], planes: Planes, wanted: str, plate: str, warn: Say) -> tuple[dict[str, Any], Planes]:

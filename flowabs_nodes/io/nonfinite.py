@@ -10,17 +10,21 @@ import OpenImageIO as oiio
 
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ReadError
+from flowabs_nodes.simd.bands import over_rows
 
 
 def count(pixels: npt.NDArray[np.floating]) -> tuple[int, int]:
     """Return how many values are NaN, and how many are Inf."""
-    # One pass without a copy: a sum of finite float32 numbers in float64 is finite.
-    with np.errstate(invalid="ignore"):  # Inf - Inf
-        total = float(pixels.sum(dtype=np.float64))
-    if math.isfinite(total):
+    if all(over_rows(lambda first, last: _sum_is_finite(pixels[first:last]), len(pixels))):
         return 0, 0
     nans = int(np.isnan(pixels).sum())
     return nans, int(pixels.size - nans - np.isfinite(pixels).sum())
+
+
+def _sum_is_finite(rows: npt.NDArray[np.floating]) -> bool:
+    """Return whether numbers are finite, from one pass without a copy: of finite float32 the sum in float64 is."""
+    with np.errstate(invalid="ignore"):  # Inf - Inf
+        return math.isfinite(float(rows.sum(dtype=np.float64)))
 
 
 def said(nans: int, infs: int) -> str:
