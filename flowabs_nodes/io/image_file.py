@@ -24,6 +24,7 @@ from flowabs_nodes.io.limits import MAX_PARTS, check_readable, too_large
 from flowabs_nodes.io.oiio_error import reason
 from flowabs_nodes.io.other_parts import check_other_parts
 from flowabs_nodes.io.settings import Settings
+from flowabs_nodes.simd.bands import over_rows
 
 
 class PictureFile(Protocol):
@@ -147,7 +148,7 @@ class _OiioFile:
         check_readable(self.path, self.specs[part], len(channels), self._settings)
         names = self.specs[part].channelnames
         if len(runs) == 1 and list(channels) == list(names[runs[0].begin : runs[0].end]):
-            return np.asarray(self._pixels(part, runs[0]), np.float32)
+            return _as_floats(self._pixels(part, runs[0]))
         spec = self.specs[part]
         pixels = np.empty((spec.height, spec.width, len(channels)), np.float32)
         for run in runs:
@@ -169,17 +170,19 @@ class _OiioFile:
     def _runs(self, part: int, channels: Sequence[str], native: bool = False) -> list[_Run]:
         """Group channels into runs of one data type.
 
-        Ids are never in a run with other numbers: OpenImageIO would scale them to 0..1.
+        Ids are never in a run with other numbers: OpenImageIO would scale them to 0..1. Half floats alone are read as
+        they are: our threads convert them faster.
         """
         spec = self.specs[part]
+        indices = sorted(spec.channelnames.index(name) for name in channels)
+        all_half = all(spec.channelformat(index) == oiio.TypeHalf for index in indices)
 
         def wanted(index: int) -> Any:
             stored = spec.channelformat(index)
             exact = self.format.integers == "exact" and stored == oiio.TypeUInt32
-            return stored if native or exact else oiio.TypeFloat
+            return stored if native or exact or all_half else oiio.TypeFloat
 
         runs: list[_Run] = []
-        indices = sorted(spec.channelnames.index(name) for name in channels)
         for data_type, group in itertools.groupby(indices, key=lambda index: str(wanted(index))):
             for index in group:
                 if runs and runs[-1].end == index and str(runs[-1].data_type) == data_type:
@@ -200,3 +203,17 @@ class _OiioFile:
         check_other_parts(self.place, self.specs, part, self._settings)
         spec = self.specs[part]
         return np.asarray(pixels).reshape(spec.height, spec.width, run.end - run.begin)
+
+
+def _as_floats(pixels: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
+    """Return (H, W, C) pixels as float32; all threads convert half floats."""
+    if pixels.dtype != np.float16:
+        return np.asarray(pixels, np.float32)
+    floats = np.empty(pixels.shape, np.float32)
+
+    def convert(first: int, last: int) -> None:
+        """Convert some rows."""
+        floats[first:last] = pixels[first:last]
+
+    over_rows(convert, len(pixels))
+    return floats
