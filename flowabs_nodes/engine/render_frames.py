@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Iterator, Sequence
-from contextlib import nullcontext
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from flowabs_nodes import stopping
@@ -21,6 +21,7 @@ from flowabs_nodes.engine.run_events import RunEvents
 from flowabs_nodes.engine.worker_pool import Limits, WorkerPool
 from flowabs_nodes.errors import WriteError
 from flowabs_nodes.io.claim_watch import ClaimWatch
+from flowabs_nodes.io.oiio_threads import limited_oiio
 from flowabs_nodes.simd import bands
 
 if TYPE_CHECKING:  # only where a run asks for it
@@ -65,7 +66,7 @@ def render_frames(
         tell.note(Note(f"{text} its nodes", warning=True))
     if not travels or not _needs_processes(options):
         carried = CarryOver(job.graph, numbers, store)
-        with bands.limited(limits.threads) if options.threads is not None else nullcontext():
+        with _limited(options.threads):
             while rest:
                 stopping.check()
                 reset_peak()
@@ -83,6 +84,16 @@ def render_frames(
     if rest:
         pool = WorkerPool(job, limits, peak=peak, chunk=_chunk(job, rest, limits.jobs), tell=tell)
         yield from _in_parallel(pool, rest)
+
+
+@contextmanager
+def _limited(threads: int | None) -> Iterator[None]:
+    """Have kernels, and the libraries that read and write pictures, use so many threads inside; None: all."""
+    if threads is None:
+        yield
+        return
+    with bands.limited(threads), limited_oiio(threads):
+        yield
 
 
 def _in_parallel(pool: WorkerPool | DaskPool, numbers: Sequence[int]) -> Iterator[FrameReport]:

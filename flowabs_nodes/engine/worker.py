@@ -26,6 +26,7 @@ from flowabs_nodes.engine.report import FrameReport
 from flowabs_nodes.engine.result_store import ResultStore
 from flowabs_nodes.engine.retries import render_with_retries
 from flowabs_nodes.io.claim_watch import ClaimWatch
+from flowabs_nodes.io.oiio_threads import limited_oiio
 from flowabs_nodes.signals import stop_on_signals
 from flowabs_nodes.simd import bands
 from flowabs_nodes.stopping import StopFlag, Stopped, stopped_by
@@ -114,6 +115,6 @@ def _serve(requests: queue.SimpleQueue[Any], replies: BinaryIO) -> None:
         for frame in request.frames:
             send(replies, Begun(frame))
             reset_peak()
-            with bands.limited(request.threads):
+            with bands.limited(request.threads), limited_oiio(request.threads):
                 report = render_with_retries(job, frame, carried, watch=watch, nodes=nodes if request.listens else None)
             send(replies, Ended(report, peak_since_reset()))

@@ -2,11 +2,13 @@
 
 import os
 
+import OpenImageIO as oiio
 import pytest
 
 from flowabs_nodes.engine import render_frames as module
 from flowabs_nodes.engine.worker_pool import WorkerPool
 from flowabs_nodes.errors import ArgumentError
+from flowabs_nodes.simd import bands
 from tests.engine.sequences import document, graph_around, leftovers, pixels, plates, run, statuses
 
 FRAMES = range(1, 7)
@@ -56,6 +58,18 @@ def test_without_a_number_they_go_there_once_two_frames_say_that_it_pays(shot, t
     del in_processes[:]
     assert {status for _, status in statuses(run(shot, out, threads=2))} == {"skipped"}
     assert not in_processes, "to look at what is there takes no time"
+
+
+def test_the_libraries_keep_to_the_threads_of_the_run(shot, tmp_path):
+    before, seen = oiio.get_int_attribute("threads"), set()
+
+    def look(context, image):
+        seen.add((bands.thread_count(), oiio.get_int_attribute("threads"), oiio.get_int_attribute("exr_threads")))
+        return image
+
+    run(shot, str(tmp_path / "out/o.####.exr"), graph_around(look), threads=3)
+    assert seen == {(3, 3, 3)}
+    assert oiio.get_int_attribute("threads") == before
 
 
 def test_little_work_stays_here(shot, tmp_path, in_processes):
