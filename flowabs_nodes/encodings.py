@@ -79,6 +79,11 @@ class Encodings:
             made.pixels = read_only(decoded)
         return made.pixels
 
+    def let_go(self, image: Image) -> None:
+        """Forget the decoded pixels of an image, unless they are kept: whoever has used them needs them no more."""
+        if image in self._made and not self._made[image].kept:
+            self._made[image].pixels = None
+
     def alpha(self, image: Image) -> Array | None:
         """Return the coverage (H, W) of an image; None where it is opaque: no A, or A = 1 in every pixel."""
         made = self._of(image)

@@ -128,3 +128,21 @@ def test_encodings_can_be_asked_directly():
     image = Image.from_array(np.ones((2, 2)))
     assert Encodings().pixels(image) is image.pixels
     assert Encodings().alpha(image) is None
+
+
+def test_pixels_that_are_let_go_are_decoded_again_and_those_that_are_kept_are_not(encodings, conversions):
+    image = picture()
+    smooth = image.with_codes(image.encoded("lab"), "lab")
+    pixels = smooth.pixels
+    encodings.let_go(smooth)
+    assert smooth.pixels is pixels, "kept until the engine says otherwise"
+    encodings.keep(smooth, False)
+    before = weakref.ref(pixels)
+    expected = pixels.copy()
+    encodings.let_go(smooth)
+    del pixels
+    gc.collect()
+    assert before() is None
+    np.testing.assert_array_equal(smooth.pixels, expected)
+    assert conversions == ["encoded", "decoded", "decoded"]
+    encodings.let_go(picture())  # of which nothing has been computed

@@ -14,7 +14,7 @@ import numpy.typing as npt
 import OpenEXR
 import OpenImageIO as oiio
 
-from flowabs_nodes import color
+from flowabs_nodes import color, encodings
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.color import ocio
 from flowabs_nodes.color.display import to_display
@@ -47,16 +47,15 @@ def encode_exr(picture: Picture, format: Format, stamps: Mapping[str, str], warn
     had to be changed (NaN, values beyond half), and of a lossy compression. Raises WriteError where two channels would
     have one name, or the OpenEXR module refuses a header.
     """
-    channels: Planes = {}
+    channels = _channels("", picture.image, picture, format, warn)
+    own = channels.keys()
     for name, layer in picture.layers.items():
-        planes = layer_planes(name, layer, _pixels(picture, layer))
-        channels.update(_typed(name, layer, planes, _data_type(picture, layer, format, warn), warn))
-    planes = main_planes(picture.image, _pixels(picture, picture.image))
-    if twice := sorted(channels.keys() & planes.keys()):
-        raise WriteError(
-            f"channel {twice[0]} would be both the image's and a layer's", hint="give the input another name"
-        )
-    channels.update(_typed("image", picture.image, planes, _data_type(picture, picture.image, format, warn), warn))
+        of_layer = _channels(name, layer, picture, format, warn)
+        if twice := sorted(own & of_layer.keys()):
+            raise WriteError(
+                f"channel {twice[0]} would be both the image's and a layer's", hint="give the input another name"
+            )
+        channels = {**channels, **of_layer}
     channels.update(alpha_left_out(picture, warn))
     kept = passthrough_layers(picture, warn)
     channels = {**kept.channels, **channels}
@@ -91,6 +90,18 @@ def encode_exr(picture: Picture, format: Format, stamps: Mapping[str, str], warn
     if KEY in stamps:
         pixel_hash.sign_exr(stream, PIXELS)
     return stream.getvalue()
+
+
+def _channels(name: str, image: Image, picture: Picture, format: Format, warn: Say) -> Planes:
+    """Return the channels of a layer, or of the main image, "", in their final type.
+
+    The image's decoded pixels are let go of: of one picture after the other there are only those in their final type.
+    """
+    pixels = _pixels(picture, image)
+    planes = layer_planes(name, image, pixels) if name else main_planes(image, pixels)
+    typed = _typed(name or "image", image, planes, _data_type(picture, image, format, warn), warn)
+    encodings.current().let_go(image)
+    return typed
 
 
 def _pixels(picture: Picture, image: Image) -> Array:
