@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import weakref
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +12,7 @@ import OpenEXR
 import OpenImageIO as oiio
 import pytest
 
+from flowabs_nodes.encodings import remember_encodings
 from flowabs_nodes.errors import WriteError
 from flowabs_nodes.image import Image
 from flowabs_nodes.io.read import read_data, read_image
@@ -31,6 +34,17 @@ AP0 = (0.7347, 0.2653, 0.0, 1.0, 0.0001, -0.077, 0.32168, 0.33767)
 
 
 # ---------------------------------------------------------------------- channels and data types
+
+
+def test_decoded_pixels_are_let_go_where_nobody_else_wants_them(tmp_path: Path) -> None:
+    plain = make_input("color", "noise", 24, 32)
+    with remember_encodings() as encodings:
+        image = plain.with_codes(plain.encoded("lab"), "lab")
+        encodings.keep(image, False)
+        decoded = weakref.ref(image.pixels)
+        written(image, tmp_path / "out.exr")
+        gc.collect()
+        assert decoded() is None
 
 
 def test_layers(tmp_path: Path) -> None:

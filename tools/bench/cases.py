@@ -146,6 +146,7 @@ STAGES: dict[str, Stage] = {
     "fbl-bilinear": _plain(lambda p: filters.fbl(p.codes, p.flow, iterations=2, sampling="bilinear"), per=2),
     "finish": _plain(_finish, in_p=1),  # quantize, composite and decode-lab in one go
     "quantize": _plain(lambda p: filters.quantize(p.lstar)),
+    "quantize-gradient": _plain(lambda p: filters.quantize(p.lstar, by_gradient=1.0)),
     "composite": _plain(lambda p: filters.composite(p.rgb, p.lines)),
     "decode-lab": _plain(lambda p: color.decode(p.codes, "lab")),
     "decode-acescct": _plain(lambda p: color.decode(p.acescct, "acescct")),
