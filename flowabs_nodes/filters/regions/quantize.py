@@ -1,6 +1,6 @@
 """Region flattening (section 4.1): quantise lightness in bins of one size, with hard or soft steps.
 
-Steps may be hard only where lightness rises steeply, after Winnemoeller, Olsen and Gooch, "Real-time video abstraction"
+Steps may be hard only where lightness rises steeply, after Winnemöller, Olsen and Gooch, "Real-time video abstraction"
 (SIGGRAPH 2006), section 3.3: a clear sky then keeps its ramp, and steps stay steady in motion.
 """
 
