@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 
-from flowabs_nodes.filters.gaussian import SURROUND, radius
+from flowabs_nodes.filters.gaussian import LONGER, SURROUND, radius
 
 _SOBEL = 1  # pixels that a gradient reads to each side
 
@@ -44,14 +44,15 @@ def etf(radius: float, iterations: int, pre_blur: float) -> int:
     return blur(pre_blur) + _SOBEL + iterations * footprint
 
 
-def fdog(sigma_m: float, sigma_c: float) -> int:
-    """Return the halo of eq. 6, or of eqs. 10 and 11: across the flow at every point along it."""
-    return flow_blur(sigma_m) + along(dog(sigma_c))
+def fdog(sigma_m: float, sigma_c: float, evidence: float = 0.0) -> int:
+    """Return the halo of eq. 6, or of eqs. 10 and 11: across the flow at every point along it; and of evidence."""
+    response = flow_blur(sigma_m) + along(dog(sigma_c))
+    return response if evidence == 0 else response + flow_blur(LONGER * sigma_m)
 
 
-def fdog_iterative(sigma_m: float, sigma_c: float, iterations: int, pre_blur: float) -> int:
+def fdog_iterative(sigma_m: float, sigma_c: float, iterations: int, pre_blur: float, evidence: float = 0.0) -> int:
     """Return the halo of ``iterations`` passes of FDoG, each of a picture that is blurred first."""
-    return iterations * (blur(pre_blur) + fdog(sigma_m, sigma_c))
+    return iterations * (blur(pre_blur) + fdog(sigma_m, sigma_c, evidence))
 
 
 def fbl(sigma_e: float, sigma_g: float, iterations: int) -> int:
@@ -71,3 +72,8 @@ def bilateral_oriented(sigma_e: float, sigma_g: float, iterations: int, kernel: 
 def bilateral(sigma_d: float, iterations: int) -> int:
     """Return the halo of ``iterations`` bilateral filters over +-ceil(3 sigma_d)."""
     return iterations * radius(sigma_d)
+
+
+def rolling_guidance(sigma_s: float, iterations: int) -> int:
+    """Return the halo of the Gaussian and ``iterations`` joint bilateral filters over +-ceil(3 sigma_s)."""
+    return (1 + iterations) * radius(sigma_s)

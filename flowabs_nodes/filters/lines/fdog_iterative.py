@@ -35,6 +35,7 @@ def fdog_iterative(
     epsilon: float = 0.0,
     phi: float = 0.01,
     color_sign: bool = False,
+    evidence: float = 0.0,
 ) -> tuple[Array, Array]:
     """Draw lines by several passes of FDoG: each pass filters the original picture with the last pass's ink over it.
 
@@ -43,7 +44,7 @@ def fdog_iterative(
 
     Parameters
     ----------
-    code, flow, sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign
+    code, flow, sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign, evidence
         As the parameters of :func:`~flowabs_nodes.filters.fdog`.
     tau, contrast, softness
         As the parameters of :func:`~flowabs_nodes.filters.threshold`.
@@ -53,7 +54,7 @@ def fdog_iterative(
         Sigma in pixels, 0 to 10,000, of a Gaussian blur of the picture that each pass filters.
     form, p, epsilon, phi
         "paper", or "xdog" for the lines of :func:`~flowabs_nodes.filters.xdog`: then p, epsilon and phi take the place
-        of rho, tau, contrast and softness.
+        of rho, tau, contrast and softness, and ``evidence`` counts as 0.
 
     Returns
     -------
@@ -69,7 +70,8 @@ def fdog_iterative(
     flow = validate.flow_field(flow, code.shape)
     is_xdog = validate.choice("form", form, FORMS) == "xdog"
     rho = xdog_rho(p) if is_xdog else rho
-    detector = Detector.checked(sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign)
+    evidence = 0.0 if is_xdog else evidence
+    detector = Detector.checked(sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign, evidence)
     iterations = validate.whole("iterations", iterations, min=1)
     pre_blur = validate.number("pre_blur", pre_blur, min=0, max=10_000)
 

@@ -29,6 +29,9 @@ from flowabs_nodes.simd.elementary import exp2_weight
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import LANES, Floats, splat_floats
 
+# Columns are summed for blocks of so many rows, so many columns at a time: what they read then stays in the cache.
+_ROWS, _COLUMNS = 8, 512
+
 
 def rolling_guidance(
     codes: npt.ArrayLike,
@@ -101,34 +104,59 @@ def _smooth(
 
     Without a guide all colours are alike. All three are rows of planes.
     """
+    block = Planes(_ROWS, planes.width, planes.stride, planes.margin, planes.count)
+    columns = np.empty(_ROWS * planes.count * (planes.stride + 2 * planes.margin), np.float32)  # smoothed over columns
+    for y0 in range(first, last, _ROWS):
+        y_end = min(y0 + _ROWS, last)
+        for tile in range(0, planes.stride, _COLUMNS):
+            for y in range(y0, y_end):
+                line, plane = row_of(y - y0, block)
+                for x0 in range(tile, min(tile + _COLUMNS, planes.stride), LANES):
+                    x = min(x0, planes.stride - LANES)
+                    centre, sums = _over_column(picture, guide, weights, x, y, planes, alpha)
+                    store_mean(sums, centre, columns, line + x, plane, alpha)
+        for y in range(y0, y_end):
+            repeat_borders(columns, y - y0, block)
+            line, _ = row_of(y - y0, block)
+            row, plane = row_of(y, planes)
+            for x0 in range(0, planes.stride, LANES):
+                x = min(x0, planes.stride - LANES)
+                centre, sums = _over_row(columns, line + x, guide, row + x, weights, plane, alpha)
+                store_mean(sums, centre, smoothed, row + x, plane, alpha)
+            repeat_borders(smoothed, y, planes)
+
+
+@inlined
+def _over_column(
+    picture: Array, guide: Array | None, weights: WeightExponents, x: int, y: int, planes: Planes, alpha: bool | None
+) -> tuple[Color, Sums]:
+    """Return sixteen pixels of row y from x on, and the sums over their columns."""
     spatial, range_exponent = weights
-    steps = spatial.size - 1
-    line = np.empty(planes.count * (planes.stride + 2 * planes.margin), np.float32)  # a row, smoothed over columns
-    start, _ = row_of(0, planes)
-    for y in range(first, last):
-        row, plane = row_of(y, planes)
-        for x0 in range(0, planes.stride, LANES):
-            x = min(x0, planes.stride - LANES)
-            centre, here = load_color(picture, row + x, plane, alpha), _load_guide(guide, row + x, plane)
-            sums = start_sums(centre)
-            for s in range(1, steps + 1):
-                above, _ = row_of(max(y - s, 0), planes)
-                below, _ = row_of(min(y + s, planes.height - 1), planes)
-                for i in (above + x, below + x):
-                    near = spatial[s] + _alike(here, guide, i, plane, range_exponent)
-                    sums = _add(sums, centre, load_color(picture, i, plane, alpha), near, alpha)
-            store_mean(sums, centre, line, start + x, plane, alpha)
-        repeat_borders(line, 0, planes)
-        for x0 in range(0, planes.stride, LANES):
-            x = min(x0, planes.stride - LANES)
-            centre, here = load_color(line, start + x, plane, alpha), _load_guide(guide, row + x, plane)
-            sums = start_sums(centre)
-            for s in range(1, steps + 1):
-                for dx in (-s, s):
-                    near = spatial[s] + _alike(here, guide, row + x + dx, plane, range_exponent)
-                    sums = _add(sums, centre, load_color(line, start + x + dx, plane, alpha), near, alpha)
-            store_mean(sums, centre, smoothed, row + x, plane, alpha)
-        repeat_borders(smoothed, y, planes)
+    row, plane = row_of(y, planes)
+    centre, here = load_color(picture, row + x, plane, alpha), _load_guide(guide, row + x, plane)
+    sums = start_sums(centre)
+    for s in range(1, spatial.size):
+        above, _ = row_of(max(y - s, 0), planes)
+        below, _ = row_of(min(y + s, planes.height - 1), planes)
+        for i in (above + x, below + x):
+            exponent = spatial[s] + _alike(here, guide, i, plane, range_exponent)
+            sums = _add(sums, centre, load_color(picture, i, plane, alpha), exponent, alpha)
+    return centre, sums
+
+
+@inlined
+def _over_row(
+    picture: Array, i: int, guide: Array | None, j: int, weights: WeightExponents, plane: int, alpha: bool | None
+) -> tuple[Color, Sums]:
+    """Return sixteen pixels, at i in ``picture`` and at j in ``guide``, and the sums over their rows."""
+    spatial, range_exponent = weights
+    centre, here = load_color(picture, i, plane, alpha), _load_guide(guide, j, plane)
+    sums = start_sums(centre)
+    for s in range(1, spatial.size):
+        for dx in (-s, s):
+            exponent = spatial[s] + _alike(here, guide, j + dx, plane, range_exponent)
+            sums = _add(sums, centre, load_color(picture, i + dx, plane, alpha), exponent, alpha)
+    return centre, sums
 
 
 @inlined
