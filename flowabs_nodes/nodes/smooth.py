@@ -136,11 +136,11 @@ ROLLING_GUIDANCE = Node(
     version=1,
     label="Rolling guidance",
     category="regions",
-    help="Removes detail smaller than a scale and keeps the edges of all that is larger: grass, skin, tiles become flat.",
+    help="Removes detail smaller than a scale, keeps the edges of all that is larger: grass and tiles become flat.",
     doc=(
-        "Zhang, Shen, Xu, Jia: Rolling guidance filter, ECCV 2014. A Gaussian blur, then several joint bilateral filters "
-        "of the picture itself, each guided by the last result: edges that the blur still shows come back sharp. HDR: "
-        "as fbl, code values go on above white and nothing is clipped."
+        "Zhang, Shen, Xu, Jia: Rolling guidance filter, ECCV 2014. A Gaussian blur, then several joint bilateral "
+        "filters of the picture itself, each guided by the last result: edges that the blur still shows come back "
+        "sharp. HDR: as fbl, code values go on above white and nothing is clipped."
     ),
     inputs=(Port("image", "color", "The picture to smooth."),),
     outputs=(Port("image", "color", "The smoothed picture."),),

@@ -55,12 +55,12 @@ SHOULDER = Node(
     version=1,
     label="Shoulder",
     category="tone",
-    help="Compresses highlights, hue kept: for what flow and lines look at, so that suns and blown skies draw no ghosts.",
+    help="Compresses highlights, hue kept: for what flow and lines look at, so that suns and blown skies draw nothing.",
     doc=(
-        "With m the largest of R, G, B, divided by alpha: m' = knee + headroom (1 - exp(-(m - knee) / headroom)) where m "
-        "is above the knee, and RGB times m' / m. What is darker stays bit for bit; no highlight passes knee + headroom. "
-        "Goes between the plate and etf, fdog or rolling_guidance; flats and the composite take the plate itself, and "
-        "keep its light."
+        "With m the largest of R, G, B, divided by alpha: m' = knee + headroom (1 - exp(-(m - knee) / headroom)) where "
+        "m is above the knee, and RGB times m' / m. What is darker stays bit for bit; no highlight passes knee + "
+        "headroom. It goes before etf, dog or fdog; flats and the composite take the picture without it, and keep its "
+        "light."
     ),
     inputs=(Port("image", "color", "The picture."),),
     outputs=(Port("image", "color", "The picture with compressed highlights; alpha as it was."),),

@@ -38,8 +38,12 @@ def fdog(
     kernel="separable",
     sampling="bilinear",
     color_sign=False,
+    evidence=0.0,
 ):
     """Return H by eqs. 10 and 11 ("separable") or eq. 6 ("full"); of (H, W, 3) also with the responses of colour."""
+    if evidence > 0:
+        h = fdog(code, flow, sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign)
+        return by_evidence(h, np.asarray(flow, np.float64), sigma_m, evidence)
     code, flow = np.asarray(code, np.float64), np.asarray(flow, np.float64)
     if code.ndim == 3:
         d = [fdog(code[..., k], flow, sigma_m, sigma_c, rho, 0, kernel, sampling) for k in range(3)]
@@ -72,6 +76,13 @@ def _joined(d_l: Float64, m_a: Float64, m_b: Float64, color_sign: bool) -> Float
         q = smoothstep(1, 2, m_c)
         sign = (1 - q) * sign + q * (2 * smoothstep(0, 1, sign) - 1)
     return np.hypot(d_l, m_c) * sign
+
+
+def by_evidence(h: Float64, flow: Float64, sigma_m: float, evidence: float) -> Float64:
+    """Return H, weaker where it is below 0 and not so along a three times longer stretch of the flow."""
+    n = np.maximum(-h, 0)
+    b = along(n, flow, 3 * sigma_m, "nearest")
+    return np.where(h < 0, -np.minimum(n, n ** (1 - evidence / 2) * b ** (evidence / 2)), h)
 
 
 def smoothstep(low: float, high: float, x: Float64) -> Float64:

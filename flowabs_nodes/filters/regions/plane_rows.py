@@ -29,7 +29,7 @@ class Planes(NamedTuple):
     width: int
     stride: int
     margin: int  # pixels to each side of a plane
-    count: int  # planes of a row, three or four
+    channels: int  # planes of a row, three or four
 
 
 def as_plane_rows(codes: Array, alpha: Array | None, margin: int) -> tuple[Array, Planes]:
@@ -40,7 +40,7 @@ def as_plane_rows(codes: Array, alpha: Array | None, margin: int) -> tuple[Array
     height, width, _ = codes.shape
     codes, covered = _widened(codes), None if alpha is None else _widened(alpha).reshape(-1)
     planes = Planes(height, width, codes.shape[1], margin, 3 if alpha is None else 4)
-    picture = np.empty(height * planes.count * (planes.stride + 2 * margin), np.float32)
+    picture = np.empty(height * planes.channels * (planes.stride + 2 * margin), np.float32)
     over_rows(_to_planes, height, codes.reshape(-1), covered, planes, picture)
     return picture, planes
 
@@ -49,7 +49,7 @@ def as_codes(picture: Array, planes: Planes, codes: Array) -> Array:
     """Return rows of planes as code values (H, W, 3); where their alpha is 0, those of ``codes``, (H, W, 3)."""
     wide = _widened(codes)
     result = np.empty_like(wide)
-    alpha = True if planes.count == 4 else None
+    alpha = True if planes.channels == 4 else None
     over_rows(_from_planes, planes.height, picture, wide.reshape(-1), planes, alpha, result.reshape(-1))
     return np.ascontiguousarray(result[:, : planes.width])
 
@@ -64,7 +64,7 @@ def _widened(image: Array) -> Array:
 def row_of(y: int, planes: Planes) -> tuple[int, int]:
     """Return the index of the first pixel of row y in its first plane, and the distance from plane to plane."""
     plane = planes.stride + 2 * planes.margin
-    return planes.count * y * plane + planes.margin, plane
+    return planes.channels * y * plane + planes.margin, plane
 
 
 @kernel
@@ -95,7 +95,7 @@ def _to_planes(first: int, last: int, codes: Array, alpha: Array | None, planes:
 def repeat_borders(picture: Array, y: int, planes: Planes) -> None:
     """Fill the margins of the planes of row y with the pixels at the border."""
     row, plane = row_of(y, planes)
-    for c in range(planes.count):
+    for c in range(planes.channels):
         repeat_left(picture, row + c * plane, planes.margin, 1)
         repeat_right(picture, row + c * plane + planes.width, planes.margin, 1)
 

@@ -104,8 +104,9 @@ def _smooth(
 
     Without a guide all colours are alike. All three are rows of planes.
     """
-    block = Planes(_ROWS, planes.width, planes.stride, planes.margin, planes.count)
-    columns = np.empty(_ROWS * planes.count * (planes.stride + 2 * planes.margin), np.float32)  # smoothed over columns
+    block = Planes(_ROWS, planes.width, planes.stride, planes.margin, planes.channels)
+    size = _ROWS * planes.channels * (planes.stride + 2 * planes.margin)
+    columns = np.empty(size, np.float32)  # the block, smoothed over columns
     for y0 in range(first, last, _ROWS):
         y_end = min(y0 + _ROWS, last)
         for tile in range(0, planes.stride, _COLUMNS):
@@ -165,7 +166,8 @@ def _load_guide(guide: Array | None, i: int, plane: int) -> Color:
     if guide is None:
         nothing = splat_floats(0.0)
         return Color(nothing, nothing, nothing, nothing)
-    return load_color(guide, i, plane, None)
+    there: Color = load_color(guide, i, plane, None)
+    return there
 
 
 @inlined
