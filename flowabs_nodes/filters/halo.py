@@ -44,15 +44,19 @@ def etf(radius: float, iterations: int, pre_blur: float) -> int:
     return blur(pre_blur) + _SOBEL + iterations * footprint
 
 
-def fdog(sigma_m: float, sigma_c: float, evidence: float = 0.0) -> int:
-    """Return the halo of eq. 6, or of eqs. 10 and 11: across the flow at every point along it; and of evidence."""
-    response = flow_blur(sigma_m) + along(dog(sigma_c))
-    return response if evidence == 0 else response + flow_blur(LONGER * sigma_m)
+def fdog(sigma_m: float, sigma_c: float) -> int:
+    """Return the halo of eq. 6, or of eqs. 10 and 11: across the flow at every point along it."""
+    return flow_blur(sigma_m) + along(dog(sigma_c))
 
 
-def fdog_iterative(sigma_m: float, sigma_c: float, iterations: int, pre_blur: float, evidence: float = 0.0) -> int:
+def evidence(sigma_m: float, evidence: float) -> int:
+    """Return the halo of looking for evidence, on top of that of FDoG."""
+    return 0 if evidence == 0 else flow_blur(LONGER * sigma_m)
+
+
+def fdog_iterative(sigma_m: float, sigma_c: float, iterations: int, pre_blur: float) -> int:
     """Return the halo of ``iterations`` passes of FDoG, each of a picture that is blurred first."""
-    return iterations * (blur(pre_blur) + fdog(sigma_m, sigma_c, evidence))
+    return iterations * (blur(pre_blur) + fdog(sigma_m, sigma_c))
 
 
 def fbl(sigma_e: float, sigma_g: float, iterations: int) -> int:

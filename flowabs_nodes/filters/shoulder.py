@@ -12,8 +12,8 @@ from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import validate
 from flowabs_nodes.simd.elementary import LOG2_E, exp2_of_negative
 from flowabs_nodes.simd.finite import refuse_overflow
-from flowabs_nodes.simd.jit import kernel
-from flowabs_nodes.simd.lanes import maximum, minimum, select, splat_floats
+from flowabs_nodes.simd.jit import inlined, kernel
+from flowabs_nodes.simd.lanes import Floats, maximum, minimum, select, splat_floats
 from flowabs_nodes.simd.memory import store_quads, store_triples
 from flowabs_nodes.simd.pixelwise import any_nan, as_picture, as_run, empty_run, first_pixel, over_pixels, zero_or_nan
 from flowabs_nodes.simd.premultiplied import TINY, load_rgba
@@ -53,7 +53,7 @@ def shoulder(image: npt.ArrayLike, knee: float = 0.6, headroom: float = 0.4) -> 
     pixels = run.size // channels
     result = empty_run(pixels, channels)
     picture = as_picture(result, *image.shape)
-    slope = np.float32(max(-LOG2_E / headroom, -1e30))
+    slope = np.float32(min(1 / headroom, 1e30))
     if any(over_pixels(_compress, pixels, run, channels, np.float32(knee), np.float32(headroom), slope, result)):
         refuse_overflow("image", image, picture)
     return picture
@@ -65,7 +65,7 @@ def _compress(
 ) -> Any:
     """Write the blocks ``first`` .. ``last`` - 1 of sixteen pixels; return whether one is not finite.
 
-    ``slope`` is log2 of e^-1 for each ``headroom``.
+    ``slope`` is 1 / ``headroom``.
     """
     total, pixels = splat_floats(0.0), image.size // channels
     for block in range(first, last):
@@ -73,7 +73,7 @@ def _compress(
         r, g, b, a = load_rgba(image, channels, i)
         largest = maximum(maximum(r, g), b)
         light = minimum(select(a > TINY, largest / a, largest), 3e38)
-        compressed = knee + headroom * (1.0 - exp2_of_negative((light - knee) * slope))
+        compressed = knee + headroom * _rise((light - knee) * slope)
         gain = select(light > knee, compressed / light, splat_floats(1.0))
         total = total + (zero_or_nan(r) + zero_or_nan(g) + zero_or_nan(b))
         r, g, b = r * gain, g * gain, b * gain
@@ -82,3 +82,10 @@ def _compress(
         else:
             store_triples(result, 3 * i, (r, g, b))
     return any_nan(total)
+
+
+@inlined
+def _rise(x: Floats) -> Floats:
+    """Return 1 - exp(-x), of x up to 1/4 by its series, as a difference of two numbers near 1 has few digits."""
+    series = x * (1.0 - x * (1 / 2 - x * (1 / 6 - x * (1 / 24 - x * (1 / 120 - x * (1 / 720))))))
+    return select(x > 0.25, 1.0 - exp2_of_negative(x * -LOG2_E), series)

@@ -132,8 +132,12 @@ def run_fdog(
 
 
 def _fdog_halo(params: Mapping[str, Any]) -> int:
-    response = halo.fdog(params["sigma_m"], params["sigma_c"], params["evidence"])
-    return response + halo.flow_blur(params["smooth"])
+    return halo.fdog(params["sigma_m"], params["sigma_c"]) + _halo_after(params)
+
+
+def _halo_after(params: Mapping[str, Any]) -> int:
+    """Return the halo of what follows the response in both nodes."""
+    return halo.evidence(params["sigma_m"], params["evidence"]) + halo.flow_blur(params["smooth"])
 
 
 FDOG = Node(
@@ -173,9 +177,8 @@ def run_fdog_iterative(
 
 
 def _fdog_iterative_halo(params: Mapping[str, Any]) -> int:
-    names = ("sigma_m", "sigma_c", "iterations", "pre_blur", "evidence")
-    passes = halo.fdog_iterative(**{name: params[name] for name in names})
-    return passes + halo.flow_blur(params["smooth"])
+    passes = halo.fdog_iterative(params["sigma_m"], params["sigma_c"], params["iterations"], params["pre_blur"])
+    return passes + _halo_after(params)
 
 
 FDOG_ITERATIVE = Node(

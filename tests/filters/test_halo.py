@@ -75,8 +75,7 @@ def test_what_changes_nothing_has_no_halo():
 
 def test_passes_add_up():
     assert halo.fdog(3.0, 1.0) == 9 + 1 + 5 + 1
-    assert halo.fdog(3.0, 1.0, 0.5) == halo.fdog(3.0, 1.0) + 27 + 1
-    assert halo.fdog_iterative(3.0, 1.0, 2, 1.0, 0.5) == 2 * (3 + halo.fdog(3.0, 1.0, 0.5))
+    assert (halo.evidence(3.0, 0.5), halo.evidence(3.0, 0)) == (27 + 1, 0)
     assert halo.rolling_guidance(2.0, 3) == 4 * 6
     assert halo.fdog_iterative(3.0, 1.0, 3, 1.0) == 3 * (3 + halo.fdog(3.0, 1.0))
     assert halo.bilateral_oriented(2.0, 0.5, 5, "line") == halo.fbl(2.0, 0.5, 5)

@@ -103,12 +103,15 @@ def threshold(response, tau=0.5, contrast=None, softness=0.0):
     return 3 * x**2 - 2 * x**3
 
 
-def fdog_iterative(code, flow, iterations, pre_blur=0.0, tau=0.5, contrast=None, softness=0.0, **parameters):
+def fdog_iterative(
+    code, flow, iterations, pre_blur=0.0, tau=0.5, contrast=None, softness=0.0, evidence=0.0, **parameters
+):
     """Draw lines by section 3.2: each pass filters the picture with the last pass's ink over it."""
     code = np.asarray(code, np.float64)
     image = code
-    for _ in range(iterations):
-        response = fdog(blur(image, pre_blur), flow, **parameters)
+    for each in range(iterations):
+        e = evidence if each == iterations - 1 else 0
+        response = fdog(blur(image, pre_blur), flow, evidence=e, **parameters)
         lines = threshold(response, tau, contrast, softness)
         image = code * (lines if code.ndim == 2 else lines[..., None])
     return lines, response

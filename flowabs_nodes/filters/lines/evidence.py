@@ -35,8 +35,10 @@ def by_evidence(response: Array, flow: Array, sigma_m: float, evidence: float) -
     sigma_m
         Sigma along the flow in pixels that H was made with.
     evidence
-        e, above 0 up to 1.
+        e, 0 to 1; 0 gives ``response`` itself.
     """
+    if evidence == 0:
+        return response
     drawn = np.empty_like(response)  # -N
 
     def band(first: int, last: int) -> None:

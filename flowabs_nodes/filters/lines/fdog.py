@@ -88,8 +88,10 @@ def fdog(
     """
     code = validate.plane_or_planes("code", code, summed=True)
     flow = validate.flow_field(flow, code.shape)
-    detector = Detector.checked(sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign, evidence)
-    return detector.response(as_planes(code if color_weight > 0 or code.ndim == 2 else code[..., 0]), flow)
+    detector = Detector.checked(sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign)
+    evidence = validate.number("evidence", evidence, min=0, max=1)
+    response = detector.response(as_planes(code if color_weight > 0 or code.ndim == 2 else code[..., 0]), flow)
+    return by_evidence(response, flow, sigma_m, evidence)
 
 
 @dataclass(frozen=True)
@@ -102,8 +104,6 @@ class Detector:
     full: bool
     sampling: str
     color_sign: bool
-    sigma_m: float
-    evidence: float
 
     @classmethod
     def checked(
@@ -115,7 +115,6 @@ class Detector:
         kernel: str,
         sampling: str,
         color_sign: bool,
-        evidence: float,
     ) -> Detector:
         """Return the filter with the parameters of :func:`fdog`; raise ArgumentError for a bad one."""
         sigma_m = validate.number("sigma_m", sigma_m, min=0, max=10_000)
@@ -128,19 +127,10 @@ class Detector:
             full=validate.choice("kernel", kernel, FDOG_KERNELS) == "full",
             sampling=validate.choice("sampling", sampling, SAMPLINGS),
             color_sign=validate.flag("color_sign", color_sign),
-            sigma_m=sigma_m,
-            evidence=validate.number("evidence", evidence, min=0, max=1),
         )
 
     def response(self, planes: Array, flow: Array) -> Array:
         """Return H, (H, W), of planes (C, H, W) of code values; without a weight for colour, of the first plane."""
-        response = self._joined(planes, flow)
-        if self.evidence == 0:
-            return response
-        return by_evidence(response, flow, self.sigma_m, self.evidence)
-
-    def _joined(self, planes: Array, flow: Array) -> Array:
-        """Return H before evidence is asked for."""
         planes = planes if self.color_weight > 0 else planes[:1]
         if self.full:
             responses = exact_sum(planes, flow, self.taps, self.weights, self.sampling)  # eq. 6
