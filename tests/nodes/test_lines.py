@@ -53,7 +53,7 @@ def test_in_acescct_too(colors):
 
 
 def test_evidence_is_off_by_default_and_counts_in_the_paper_s_form_alone():
-    rgb = 0.2 + 0.03 * np.random.default_rng(1).random((48, 64, 3), np.float32)
+    rgb = 0.2 + 0.12 * np.random.default_rng(1).random((48, 64, 3), np.float32)
     for name in ("fdog", "fdog_iterative"):
         nodes = {
             "plate": {"type": "read@1"},
