@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from flowabs_nodes.filters.regions.fbl import fbl
     from flowabs_nodes.filters.regions.mean_shift import mean_shift, measure_clipping
     from flowabs_nodes.filters.regions.quantize import quantize
+    from flowabs_nodes.filters.regions.rolling_guidance import rolling_guidance
+    from flowabs_nodes.filters.shoulder import shoulder
     from flowabs_nodes.filters.warming import warm_up
 
 __all__ = [
@@ -50,6 +52,8 @@ __all__ = [
     "measure_clipping",
     "measure_reference",
     "quantize",
+    "rolling_guidance",
+    "shoulder",
     "threshold",
     "warm_up",
     "xdog",
@@ -75,6 +79,8 @@ _HOMES = {
     "measure_clipping": "regions.mean_shift",
     "measure_reference": "flow.gradient",
     "quantize": "regions.quantize",
+    "rolling_guidance": "regions.rolling_guidance",
+    "shoulder": "shoulder",
     "threshold": "lines.threshold",
     "warm_up": "warming",
     "xdog": "lines.xdog",

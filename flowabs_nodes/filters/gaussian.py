@@ -31,6 +31,9 @@ def half(sigma: float, steps: int | None = None) -> Float64:
 #: sigma_s / sigma_c in eq. 8: at 1.6 the difference of Gaussians is close to a Laplacian of Gaussian (Marr, Hildreth).
 SURROUND = 1.6
 
+#: Sigma of the stretch on which evidence for a line is looked for, as a multiple of sigma_m.
+LONGER = 3
+
 
 def difference(sigma_c: float, rho: float) -> Float64:
     """Return one side of f (eq. 8): G(sigma_c) - rho G(sigma_s), both over ceil(3 sigma_s) steps."""

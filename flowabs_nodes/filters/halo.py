@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 
-from flowabs_nodes.filters.gaussian import SURROUND, radius
+from flowabs_nodes.filters.gaussian import LONGER, SURROUND, radius
 
 _SOBEL = 1  # pixels that a gradient reads to each side
 
@@ -49,6 +49,11 @@ def fdog(sigma_m: float, sigma_c: float) -> int:
     return flow_blur(sigma_m) + along(dog(sigma_c))
 
 
+def evidence(sigma_m: float, evidence: float) -> int:
+    """Return the halo of looking for evidence, on top of that of FDoG."""
+    return 0 if evidence == 0 else flow_blur(LONGER * sigma_m)
+
+
 def fdog_iterative(sigma_m: float, sigma_c: float, iterations: int, pre_blur: float) -> int:
     """Return the halo of ``iterations`` passes of FDoG, each of a picture that is blurred first."""
     return iterations * (blur(pre_blur) + fdog(sigma_m, sigma_c))
@@ -76,3 +81,8 @@ def quantize(by_gradient: float, gradient_length: float) -> int:
 def bilateral(sigma_d: float, iterations: int) -> int:
     """Return the halo of ``iterations`` bilateral filters over +-ceil(3 sigma_d)."""
     return iterations * radius(sigma_d)
+
+
+def rolling_guidance(sigma_s: float, iterations: int) -> int:
+    """Return the halo of the Gaussian and ``iterations`` joint bilateral filters over +-ceil(3 sigma_s)."""
+    return (1 + iterations) * radius(sigma_s)

@@ -60,9 +60,9 @@ def plane_or_planes(name: str, value: npt.ArrayLike, *, summed: bool = False) ->
     return _array(name, value, "(H, W) or (H, W, 3)", fits, summed=summed)
 
 
-def any_channels(name: str, value: npt.ArrayLike, *, summed: bool = False) -> Array:
-    """Return ``value`` as (H, W) or (H, W, C) finite float32; ``summed`` as for :func:`planes`."""
-    return _array(name, value, "(H, W) or (H, W, C)", lambda shape: len(shape) in (2, 3), summed=summed)
+def any_channels(name: str, value: npt.ArrayLike, *, check_finite: bool = True, summed: bool = False) -> Array:
+    """Return ``value`` as (H, W) or (H, W, C) finite float32; the others are as for :func:`planes`."""
+    return _array(name, value, "(H, W) or (H, W, C)", lambda shape: len(shape) in (2, 3), check_finite, summed)
 
 
 def flow_field(value: npt.ArrayLike, shape: tuple[int, ...] | None = None, name: str = "flow") -> Array:

@@ -145,6 +145,17 @@ ALONG_FLOW = (
         "side is the dark one. false leaves them out.",
     ),
     Param.float(
+        "evidence",
+        0.0,
+        min=0,
+        max=1,
+        soft=(0, 1),
+        label="Evidence along the line",
+        group="Response",
+        enabled_when=PAPER_FORM,
+        help="How much ink needs more ink along a longer stretch of the flow: specks and texture fade; 0 is off.",
+    ),
+    Param.float(
         "smooth",
         0.0,
         min=0,

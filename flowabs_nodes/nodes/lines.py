@@ -118,19 +118,26 @@ def run_fdog(
     mask: Image | None,
     *,
     color_weight: float,
+    evidence: float,
     smooth: float,
     ground: float,
     space: str,
     **fdog: Any,
 ) -> dict[str, Image]:
-    color_weight = 0.0 if fdog["form"] == "xdog" else color_weight
+    color_weight, evidence = (0.0, 0.0) if fdog["form"] == "xdog" else (color_weight, evidence)
     code = code_values(image, space, ground, color_weight)
-    lines, response = draw(partial(filters.fdog, code, flow.pixels, color_weight=color_weight), **fdog)
+    respond = partial(filters.fdog, code, flow.pixels, color_weight=color_weight, evidence=evidence)
+    lines, response = draw(respond, **fdog)
     return outputs(image, smoothed(lines, flow, smooth, fdog["sampling"]), response, mask)
 
 
 def _fdog_halo(params: Mapping[str, Any]) -> int:
-    return halo.fdog(params["sigma_m"], params["sigma_c"]) + halo.flow_blur(params["smooth"])
+    return halo.fdog(params["sigma_m"], params["sigma_c"]) + _halo_after(params)
+
+
+def _halo_after(params: Mapping[str, Any]) -> int:
+    """Return the halo of what follows the response in both nodes."""
+    return halo.evidence(params["sigma_m"], params["evidence"]) + halo.flow_blur(params["smooth"])
 
 
 FDOG = Node(
@@ -171,7 +178,7 @@ def run_fdog_iterative(
 
 def _fdog_iterative_halo(params: Mapping[str, Any]) -> int:
     passes = halo.fdog_iterative(params["sigma_m"], params["sigma_c"], params["iterations"], params["pre_blur"])
-    return passes + halo.flow_blur(params["smooth"])
+    return passes + _halo_after(params)
 
 
 FDOG_ITERATIVE = Node(

@@ -1,4 +1,4 @@
-"""Nodes that smooth regions: the flow-based bilateral filter and the plain blur."""
+"""Nodes that smooth regions: the flow-based bilateral filter, rolling guidance, and the plain blur."""
 
 from __future__ import annotations
 
@@ -113,6 +113,66 @@ FBL = Node(
     ),
     run=run_fbl,
     region=within(_fbl_halo, "image", "flow"),
+)
+
+
+def run_rolling_guidance(
+    context: Context, image: Image, *, sigma_s: float, sigma_r: float, iterations: int, space: str
+) -> Image:
+    if sigma_s == 0:
+        return image
+    codes = filters.rolling_guidance(
+        image.encoded(space), sigma_s=sigma_s, sigma_r=sigma_r, iterations=iterations, alpha=image.alpha
+    )
+    return image.with_codes(codes, space)
+
+
+def _rolling_guidance_halo(params: Mapping[str, Any]) -> int:
+    return halo.rolling_guidance(params["sigma_s"], params["iterations"])
+
+
+ROLLING_GUIDANCE = Node(
+    type="rolling_guidance",
+    version=1,
+    label="Rolling guidance",
+    category="regions",
+    help="Removes detail smaller than a scale, keeps the edges of all that is larger: grass and tiles become flat.",
+    doc=(
+        "Zhang, Shen, Xu, Jia: Rolling guidance filter, ECCV 2014. A Gaussian blur, then several joint bilateral "
+        "filters of the picture itself, each guided by the last result: edges that the blur still shows come back "
+        "sharp. HDR: as fbl, code values go on above white and nothing is clipped."
+    ),
+    inputs=(Port("image", "color", "The picture to smooth."),),
+    outputs=(Port("image", "color", "The smoothed picture."),),
+    params=(
+        Param.float(
+            "sigma_s",
+            2.0,
+            min=0,
+            max=200,
+            soft=(0, 6),
+            unit="px",
+            label="Scale",
+            help="Detail up to about this size goes, however strong it is; 0 changes nothing.",
+        ),
+        Param.float(
+            "sigma_r",
+            15.0,
+            min=0,
+            max=1e6,
+            above=True,
+            soft=(1, 100),
+            unit="code values",
+            label="Colour range",
+            help="Difference of colour that still counts as alike: higher loses more edges.",
+        ),
+        Param.int(
+            "iterations", 3, min=0, max=100, soft=(1, 6), help="How many times edges are restored; 0 is the blur alone."
+        ),
+        SPACE,
+    ),
+    run=run_rolling_guidance,
+    region=within(_rolling_guidance_halo, "image"),
 )
 
 

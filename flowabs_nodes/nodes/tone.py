@@ -1,4 +1,4 @@
-"""Nodes that change tone: exposure, and flattening to a few levels of lightness."""
+"""Nodes that change tone: exposure, a shoulder for highlights, and flattening to a few levels of lightness."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from flowabs_nodes import filters
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import halo
@@ -45,6 +46,41 @@ EXPOSURE = Node(
         ),
     ),
     run=run_exposure,
+    region=pixelwise("image"),
+)
+
+
+def run_shoulder(context: Context, image: Image, *, knee: float, headroom: float) -> Image:
+    return image.with_pixels(filters.shoulder(image.pixels, knee=knee, headroom=headroom))
+
+
+SHOULDER = Node(
+    type="shoulder",
+    version=1,
+    label="Shoulder",
+    category="tone",
+    help="Compresses highlights, hue kept: for what flow and lines look at, so that suns and blown skies draw nothing.",
+    doc=(
+        "With m the largest of R, G, B, divided by alpha: m' = knee + headroom (1 - exp(-(m - knee) / headroom)) where "
+        "m is above the knee, and RGB times m' / m. What is darker stays bit for bit; no highlight passes knee + "
+        "headroom. It goes before etf, dog or fdog; flats and the composite take the picture without it, and keep its "
+        "light."
+    ),
+    inputs=(Port("image", "color", "The picture."),),
+    outputs=(Port("image", "color", "The picture with compressed highlights; alpha as it was."),),
+    params=(
+        Param.float("knee", 0.6, min=0, max=65504, soft=(0, 1), help="Light from which on it is compressed."),
+        Param.float(
+            "headroom",
+            0.4,
+            min=0,
+            max=65504,
+            above=True,
+            soft=(0.05, 2),
+            help="How much light above the knee all highlights share: larger keeps more of their differences.",
+        ),
+    ),
+    run=run_shoulder,
     region=pixelwise("image"),
 )
 

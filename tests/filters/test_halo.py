@@ -39,8 +39,18 @@ CASES = {
         halo.quantize(1.0, 1.7),
         0,
     ),
+    "rolling_guidance": (
+        lambda code: filters.rolling_guidance(code, 2.0, 1000.0, 0),
+        halo.rolling_guidance(2.0, 0),
+        0,
+    ),
     "flow_blur": (lambda code: filters.flow_blur(code, level(SIZE, SIZE), 3.0), halo.flow_blur(3.0), 1),
     "fdog": (lambda code: filters.fdog(code[..., 0], level(SIZE, SIZE), 3.0, 1.0), halo.flow_blur(3.0), 1),
+    "fdog by evidence": (
+        lambda code: filters.fdog(255 - code[..., 0], level(SIZE, SIZE), 2.0, 0.6, evidence=1.0),
+        halo.flow_blur(2.0) + halo.flow_blur(6.0),
+        2,
+    ),
     "fbl": (
         lambda code: filters.fbl(code, level(SIZE, SIZE), 2.0, 1000.0, 0.5, 1000.0, 1),  # the edge of 3 is below a bit
         halo.flow_blur(2.0),
@@ -71,6 +81,8 @@ def test_what_changes_nothing_has_no_halo():
 
 def test_passes_add_up():
     assert halo.fdog(3.0, 1.0) == 9 + 1 + 5 + 1
+    assert (halo.evidence(3.0, 0.5), halo.evidence(3.0, 0)) == (27 + 1, 0)
+    assert halo.rolling_guidance(2.0, 3) == 4 * 6
     assert halo.fdog_iterative(3.0, 1.0, 3, 1.0) == 3 * (3 + halo.fdog(3.0, 1.0))
     assert halo.bilateral_oriented(2.0, 0.5, 5, "line") == halo.fbl(2.0, 0.5, 5)
     assert halo.bilateral_oriented(2.0, 0.5, 5, "arc") > halo.fbl(2.0, 0.5, 5)

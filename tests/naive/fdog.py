@@ -38,8 +38,12 @@ def fdog(
     kernel="separable",
     sampling="bilinear",
     color_sign=False,
+    evidence=0.0,
 ):
     """Return H by eqs. 10 and 11 ("separable") or eq. 6 ("full"); of (H, W, 3) also with the responses of colour."""
+    if evidence > 0:
+        h = fdog(code, flow, sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign)
+        return by_evidence(h, np.asarray(flow, np.float64), sigma_m, evidence)
     code, flow = np.asarray(code, np.float64), np.asarray(flow, np.float64)
     if code.ndim == 3:
         d = [fdog(code[..., k], flow, sigma_m, sigma_c, rho, 0, kernel, sampling) for k in range(3)]
@@ -74,6 +78,13 @@ def _joined(d_l: Float64, m_a: Float64, m_b: Float64, color_sign: bool) -> Float
     return np.hypot(d_l, m_c) * sign
 
 
+def by_evidence(h: Float64, flow: Float64, sigma_m: float, evidence: float) -> Float64:
+    """Return H, weaker where it is below 0 and not so along a three times longer stretch of the flow."""
+    n = np.maximum(-h, 0)
+    b = along(n, flow, 3 * sigma_m, "nearest")
+    return np.where(h < 0, -np.minimum(n, n ** (1 - evidence / 2) * b ** (evidence / 2)), h)
+
+
 def smoothstep(low: float, high: float, x: Float64) -> Float64:
     """Return 0 up to ``low``, 1 from ``high`` on, and a smooth way between."""
     x = np.clip((x - low) / (high - low), 0, 1)
@@ -92,12 +103,15 @@ def threshold(response, tau=0.5, contrast=None, softness=0.0):
     return 3 * x**2 - 2 * x**3
 
 
-def fdog_iterative(code, flow, iterations, pre_blur=0.0, tau=0.5, contrast=None, softness=0.0, **parameters):
+def fdog_iterative(
+    code, flow, iterations, pre_blur=0.0, tau=0.5, contrast=None, softness=0.0, evidence=0.0, **parameters
+):
     """Draw lines by section 3.2: each pass filters the picture with the last pass's ink over it."""
     code = np.asarray(code, np.float64)
     image = code
-    for _ in range(iterations):
-        response = fdog(blur(image, pre_blur), flow, **parameters)
+    for each in range(iterations):
+        e = evidence if each == iterations - 1 else 0
+        response = fdog(blur(image, pre_blur), flow, evidence=e, **parameters)
         lines = threshold(response, tau, contrast, softness)
         image = code * (lines if code.ndim == 2 else lines[..., None])
     return lines, response

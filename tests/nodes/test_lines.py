@@ -50,3 +50,25 @@ def test_in_acescct_too(colors):
     rgb = disc(*colors)
     params = {"lines.space": "acescct", "flow.space": "acescct", "pre.space": "acescct", "lines.color_weight": 1.0}
     assert (ink("lines", rgb, **params) > 0.2).sum() > 300
+
+
+def test_evidence_is_off_by_default_and_counts_in_the_paper_s_form_alone():
+    rgb = 0.2 + 0.12 * np.random.default_rng(1).random((48, 64, 3), np.float32)
+    for name in ("fdog", "fdog_iterative"):
+        nodes = {
+            "plate": {"type": "read@1"},
+            "flow": {"type": "etf@1", "inputs": {"image": "plate"}},
+            "lines": {"type": f"{name}@1", "inputs": {"image": "plate", "flow": "flow"}},
+            "out": {"type": "write@1", "inputs": {"image": "lines"}},
+        }
+        graph = {"format": "flowabs.graph/1", "name": "evidence", "nodes": nodes}
+        soft = {"lines.rho": 1.0, "lines.contrast": 0.5, "lines.softness": 4.0}
+        plain, off, full = (ink(graph, rgb, **soft, **more) for more in ({}, evidence(0), evidence(1)))
+        np.testing.assert_array_equal(plain, off)
+        assert full.sum() < 0.8 * plain.sum()
+        xdog, and_evidence = (ink(graph, rgb, **{"lines.form": "xdog"}, **more) for more in ({}, evidence(1)))
+        np.testing.assert_array_equal(xdog, and_evidence)
+
+
+def evidence(value):
+    return {"lines.evidence": float(value)}

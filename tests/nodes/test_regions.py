@@ -1,5 +1,7 @@
 import pickle
 
+import pytest
+
 from flowabs_nodes.image import Window
 from flowabs_nodes.nodes.regions import pixelwise, within
 from flowabs_nodes.nodes.registry import builtin
@@ -46,3 +48,9 @@ def test_a_flow_needs_the_whole_picture_for_statistics_and_fill():
 def test_nodes_that_look_at_the_whole_picture_have_no_region():
     without = {type for type, node in NODES.items() if node.inputs and node.outputs and node.region is None}
     assert without == {"lic", "canny", "mean_shift", "reformat"}
+
+
+@pytest.mark.parametrize("type", ["fdog", "fdog_iterative"])
+def test_evidence_reads_further_along_the_flow(type):
+    plain, further = (region_of(type, sigma_m=2.0, evidence=e)["image"].width for e in (0.0, 0.5))
+    assert further == plain + 2 * (3 * 3 * 2 + 1)

@@ -1,4 +1,4 @@
-"""Exposure and quantise, where light is below zero, next to nothing, or enormous."""
+"""Exposure, quantise and shoulder, where light is below zero, next to nothing, or enormous."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from flowabs_nodes.engine.call_node import call_node
 from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context
-from flowabs_nodes.nodes.tone import EXPOSURE, QUANTIZE
+from flowabs_nodes.nodes.tone import EXPOSURE, QUANTIZE, SHOULDER
 
 
 def result(node, pixels, **params):
@@ -43,3 +43,29 @@ def test_exposure_below_zero():
 def test_exposure_beyond_float32_is_refused(light):
     with pytest.raises(FlowabsError, match=r"stops: \+1 takes the picture's largest light, 2e\+38, beyond float32"):
         result(EXPOSURE, [[[1, 1, light]]], stops=1.0)
+
+
+def test_the_shoulder_after_a_filter_and_under_alpha():
+    """It sees what a filter's code values decode to; alpha and what is not covered stay."""
+    pixels = np.random.default_rng(2).uniform(0, 3, (9, 20, 4)).astype(np.float32)
+    pixels[..., 3] = 0.5
+    pixels[:, :4] = 0
+    image = Image.from_array(pixels)
+    filtered = image.with_codes(image.encoded("lab"), "lab")
+    plain, after = (call_node(SHOULDER, Context(), {"image": each}, {})["image"].pixels for each in (image, filtered))
+    np.testing.assert_allclose(after, plain, rtol=1e-4, atol=1e-5)
+    np.testing.assert_array_equal(plain[..., 3], pixels[..., 3])
+    assert plain[..., :3].max() < 0.5
+    assert not plain[:, :4].any()
+
+
+def test_a_shoulder_with_much_headroom_changes_next_to_nothing():
+    pixels = np.random.default_rng(3).uniform(0, 1, (5, 16, 3)).astype(np.float32)
+    np.testing.assert_allclose(result(SHOULDER, pixels, headroom=60000.0), pixels, rtol=1e-4)
+
+
+def test_what_the_shoulder_cannot_compress_is_told_with_its_place():
+    pixels = np.ones((9, 20, 3), np.float32)
+    pixels[7, 5] = np.inf
+    with pytest.raises(FlowabsError, match=r"image: expected finite pixels, found 3 .* at x 5, y 7"):
+        result(SHOULDER, pixels)

@@ -13,6 +13,7 @@ from flowabs_nodes.choices import FDOG_KERNELS, SAMPLINGS
 from flowabs_nodes.filters import gaussian, validate
 from flowabs_nodes.filters.flow.flow_blur import along, as_planes
 from flowabs_nodes.filters.lines.dog_line import across
+from flowabs_nodes.filters.lines.evidence import by_evidence
 from flowabs_nodes.sampling.exact_sums import exact_sum
 from flowabs_nodes.simd.elementary import LOG2_E, exp2_of_negative
 from flowabs_nodes.simd.jit import inlined, kernel
@@ -38,6 +39,7 @@ def fdog(
     kernel: str = "separable",
     sampling: str = "bilinear",
     color_sign: bool = False,
+    evidence: float = 0.0,
 ) -> Array:
     """Return the response H of the FDoG filter, eqs. 6-8, 10, 11: below 0 on dark lines and on the dark side of edges.
 
@@ -71,6 +73,9 @@ def fdog(
         opposite on the two sides of every edge must be 0 at some hue. So where colour alone makes an edge, both sides
         of it are dark rather than none: with q = smoothstep(1, 2, m_c), H = M ((1 - q) s + q (2 smoothstep(0, 1, s) -
         1)). Counts with ``color_weight``.
+    evidence
+        0 to 1: how much weaker H becomes where it is below 0 at places but not along a stretch three times as long
+        (:mod:`~flowabs_nodes.filters.lines.evidence`). 0 leaves H as it is.
 
     Returns
     -------
@@ -84,7 +89,9 @@ def fdog(
     code = validate.plane_or_planes("code", code, summed=True)
     flow = validate.flow_field(flow, code.shape)
     detector = Detector.checked(sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign)
-    return detector.response(as_planes(code if color_weight > 0 or code.ndim == 2 else code[..., 0]), flow)
+    evidence = validate.number("evidence", evidence, min=0, max=1)
+    response = detector.response(as_planes(code if color_weight > 0 or code.ndim == 2 else code[..., 0]), flow)
+    return by_evidence(response, flow, sigma_m, evidence)
 
 
 @dataclass(frozen=True)

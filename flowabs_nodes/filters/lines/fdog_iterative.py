@@ -10,6 +10,7 @@ from flowabs_nodes.choices import FORMS
 from flowabs_nodes.filters import validate
 from flowabs_nodes.filters.flow.flow_blur import as_planes
 from flowabs_nodes.filters.gaussian_blur import blur
+from flowabs_nodes.filters.lines.evidence import by_evidence
 from flowabs_nodes.filters.lines.fdog import Detector
 from flowabs_nodes.filters.lines.threshold import threshold
 from flowabs_nodes.filters.lines.xdog import xdog, xdog_rho
@@ -35,6 +36,7 @@ def fdog_iterative(
     epsilon: float = 0.0,
     phi: float = 0.01,
     color_sign: bool = False,
+    evidence: float = 0.0,
 ) -> tuple[Array, Array]:
     """Draw lines by several passes of FDoG: each pass filters the original picture with the last pass's ink over it.
 
@@ -53,7 +55,10 @@ def fdog_iterative(
         Sigma in pixels, 0 to 10,000, of a Gaussian blur of the picture that each pass filters.
     form, p, epsilon, phi
         "paper", or "xdog" for the lines of :func:`~flowabs_nodes.filters.xdog`: then p, epsilon and phi take the place
-        of rho, tau, contrast and softness.
+        of rho, tau, contrast and softness, and ``evidence`` counts as 0.
+    evidence
+        As the parameter of :func:`~flowabs_nodes.filters.fdog`, in the last pass alone: the ink of the others joins
+        what belongs together, and finds it evidence.
 
     Returns
     -------
@@ -73,23 +78,26 @@ def fdog_iterative(
     iterations = validate.whole("iterations", iterations, min=1)
     pre_blur = validate.number("pre_blur", pre_blur, min=0, max=10_000)
 
-    def draw(planes: Array) -> tuple[Array, Array]:
+    evidence = 0.0 if is_xdog else validate.number("evidence", evidence, min=0, max=1)
+
+    def draw(planes: Array, evidence: float = 0.0) -> tuple[Array, Array]:
         """Return lines and response of one pass."""
         if pre_blur > 0:
             blurred = np.empty_like(planes)
             for plane, result in zip(planes, blurred, strict=True):
                 result[:] = blur(plane, pre_blur)
             planes = blurred
-        response = detector.response(planes, flow)
+        response = by_evidence(detector.response(planes, flow), flow, sigma_m, evidence)
         if is_xdog:
             return xdog(response, p, epsilon, phi)
         return threshold(response, tau, contrast, softness), response
 
     original = as_planes(code if color_weight > 0 or code.ndim == 2 else code[..., 0])
-    lines, response = draw(original)
+    picture = original
     for _ in range(iterations - 1):
-        lines, response = draw(_inked(original, lines))
-    return lines, response
+        lines, _ = draw(picture)
+        picture = _inked(original, lines)
+    return draw(picture, evidence)
 
 
 def _inked(original: Array, lines: Array) -> Array:

@@ -1,0 +1,64 @@
+"""Evidence for a line along a longer stretch of the flow: ink that little other ink continues becomes weaker.
+
+A true edge answers on all of its length, noise and texture here and there. FDoG sums along 3 sigma_m each way; evidence
+looks three times as far, and does not make lines longer, as a larger sigma_m would: it only takes away.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flowabs_nodes.array_types import Array
+from flowabs_nodes.filters import gaussian
+from flowabs_nodes.filters.flow.flow_blur import along
+from flowabs_nodes.simd.bands import over_rows
+from flowabs_nodes.simd.elementary import exp2_of_negative, log2
+from flowabs_nodes.simd.jit import kernel
+from flowabs_nodes.simd.lanes import maximum, minimum, select
+from flowabs_nodes.simd.memory import load, store
+from flowabs_nodes.simd.pixelwise import as_picture, as_run, empty_run, first_pixel, over_pixels
+
+
+def by_evidence(response: Array, flow: Array, sigma_m: float, evidence: float) -> Array:
+    """Return the response H, weaker where it is below 0 and not on the longer stretch too.
+
+    With N = max(-H, 0) and B = G(3 sigma_m) along the flow of N, H becomes -min(N, N^(1 - e/2) B^(e/2)) where H < 0:
+    the geometric mean of N and B for an ``evidence`` e of 1, and H itself for 0. What is above 0 stays. N is read at
+    the nearest pixels: so many make the sum that bilinear samples change the ink by less than a percent.
+
+    Parameters
+    ----------
+    response
+        H, (H, W), code values.
+    flow
+        (H, W, 2), unit tangents.
+    sigma_m
+        Sigma along the flow in pixels that H was made with.
+    evidence
+        e, 0 to 1; 0 gives ``response`` itself.
+    """
+    if evidence == 0:
+        return response
+    drawn = np.empty_like(response)  # -N
+
+    def band(first: int, last: int) -> None:
+        np.minimum(response[first:last], 0, out=drawn[first:last])
+
+    over_rows(band, response.shape[0])
+    stretch = as_run(along(drawn[None], flow, gaussian.half(gaussian.LONGER * sigma_m), "nearest")[0])  # -B
+    run, kept = as_run(response), empty_run(response.size)
+    over_pixels(_weaken, run.size, run, stretch, np.float32(evidence / 2), kept)
+    return as_picture(kept, *response.shape)
+
+
+@kernel
+def _weaken(first: int, last: int, response: Array, stretch: Array, exponent: float, kept: Array) -> None:
+    """Write H min(1, B / N)^``exponent`` where H < 0, else H; for blocks ``first`` .. ``last`` - 1 of sixteen pixels.
+
+    ``stretch`` holds -B.
+    """
+    for block in range(first, last):
+        i = first_pixel(block, response.size)
+        h = load(response, i)
+        share = minimum(load(stretch, i) / h, 1.0)  # -B / -N; 1 where N is 0, as NaN is no smaller than 1
+        store(kept, i, select(h < 0.0, h * exp2_of_negative(log2(maximum(share, 1e-30)) * exponent), h))
