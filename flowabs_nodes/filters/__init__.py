@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from flowabs_nodes.filters.lines.dog import dog
     from flowabs_nodes.filters.lines.fdog import fdog
     from flowabs_nodes.filters.lines.fdog_iterative import fdog_iterative
+    from flowabs_nodes.filters.lines.stroke import stroke
     from flowabs_nodes.filters.lines.threshold import threshold
     from flowabs_nodes.filters.lines.xdog import xdog, xdog_rho
     from flowabs_nodes.filters.regions.bilateral import bilateral
@@ -50,6 +51,7 @@ __all__ = [
     "measure_clipping",
     "measure_reference",
     "quantize",
+    "stroke",
     "threshold",
     "warm_up",
     "xdog",
@@ -75,6 +77,7 @@ _HOMES = {
     "measure_clipping": "regions.mean_shift",
     "measure_reference": "flow.gradient",
     "quantize": "regions.quantize",
+    "stroke": "lines.stroke",
     "threshold": "lines.threshold",
     "warm_up": "warming",
     "xdog": "lines.xdog",

@@ -1,0 +1,165 @@
+"""Draw lines as an artist's pen does: short strokes are left out, long ones end in points."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from flowabs_nodes.array_types import Array, Complex64, Int32
+from flowabs_nodes.errors import ArgumentError
+from flowabs_nodes.filters import validate
+from flowabs_nodes.filters.gaussian_blur import blur
+from flowabs_nodes.filters.lines.stroke_widths import (
+    ENDED,
+    FAINT,
+    Block,
+    Rule,
+    block_at,
+    ink_at,
+    ink_columns,
+    weigh_widths,
+)
+from flowabs_nodes.sampling.coords import Raster, padded_rows, raster_of
+from flowabs_nodes.simd.bands import over_rows
+from flowabs_nodes.simd.jit import inlined, kernel
+from flowabs_nodes.simd.lanes import (
+    LANES,
+    Floats,
+    any_lane,
+    lane_indices,
+    minimum,
+    select,
+    splat_floats,
+    to_doubles,
+)
+from flowabs_nodes.simd.memory import gather_pairs, scratch, store
+
+
+def stroke(
+    lines: npt.ArrayLike,
+    flow: npt.ArrayLike,
+    min_length: float = 0.0,
+    taper: float = 0.0,
+    strength: float = 0.0,
+    response: npt.ArrayLike | None = None,
+) -> Array:
+    """Narrow the strokes of a drawing: those shorter than a length to nothing, all towards their ends.
+
+    The pixels of ink of a stroke are found by walking along the flow (:mod:`.stroke_widths`); what comes of it is w, 0
+    to 1, how wide the stroke shall be, as a part of its width W. w is averaged over the ink around a pixel (a Gaussian
+    of :func:`smoothing` pixels), and a pixel at a distance d from the middle of the line keeps the share clamp(w (W / 2
+    + 1) - |d|, 0, 1) of its ink. W and d are measured across the flow, ink until there is paper.
+
+    Parameters
+    ----------
+    lines
+        (H, W), 1 paper and 0 ink, of any filter that draws lines.
+    flow
+        (H, W, 2), unit tangents, x right and y down; the sign has no meaning. The flow that the lines follow.
+    min_length
+        Length of strokes in pixels along the flow, 0 to 10,000: of a stroke of half this length nothing is left, half
+        of the width of one of this length, all of one half as long again. 0 leaves none out.
+    taper
+        Over how many pixels a stroke grows from a point to its width, 0 to 10,000: with u the part of them that a pixel
+        is away from the nearer end, the width is u (2 - u). 0 leaves ends blunt. A closed line has no end.
+    strength
+        Response in code values at which a stroke has its full width, at least 0: below, it is the narrower the weaker
+        its response, in proportion. 0 has all strokes alike.
+    response
+        H, (H, W), of the filter that drew the lines: below 0 on lines. Needed with ``strength``.
+
+    Returns
+    -------
+    Lines, (H, W) float32: no darker than ``lines``, and its very bits where a stroke keeps its width. Where all three
+    are 0, a copy.
+
+    Raises
+    ------
+    ArgumentError
+        For another shape or dtype, pixels that are not finite, a parameter out of range, or a strength alone.
+    """
+    lines = validate.plane("lines", lines)
+    flow = validate.flow_field(flow, lines.shape)
+    min_length = validate.number("min_length", min_length, min=0, max=10_000)
+    taper = validate.number("taper", taper, min=0, max=10_000)
+    strength = validate.number("strength", strength, min=0, max=1e6)
+    if strength > 0 and response is None:
+        raise ArgumentError("strength: needs the response of the lines", parameter="response")
+    if min_length == taper == strength == 0:
+        return lines.copy()
+    raster = raster_of(lines)
+    forces = np.empty(0, np.float32)
+    if strength > 0 and response is not None:
+        forces = padded_rows(validate.plane("response", response, lines.shape), raster)
+    ink = np.maximum(1 - lines, 0)
+    strong = np.where(ink < FAINT, np.float32(0), ink)
+    pen = Pen(padded_rows(strong, raster), padded_rows(flow, raster).view(np.complex64), raster)
+    weighted = np.empty((raster.height, raster.stride), np.float32)
+    rule = Rule.of(min_length, taper, strength)
+    over_rows(weigh_widths, raster.height, pen.strong, pen.flow, forces, raster, rule, weighted.reshape(-1))
+    sigma = smoothing(min_length, taper)
+    around, widths = blur(strong, sigma), np.ones_like(ink)
+    np.divide(blur(weighted[:, : raster.width], sigma), around, out=widths, where=around > 0)
+    narrowed = padded_rows(lines.copy(), raster)
+    reach = widest(min_length, taper)
+    over_rows(_narrow, raster.height, padded_rows(ink, raster), pen, padded_rows(widths, raster), reach, narrowed)
+    return np.ascontiguousarray(narrowed.reshape(raster.height, raster.stride)[:, : raster.width])
+
+
+def smoothing(min_length: float, taper: float) -> float:
+    """Return the sigma in pixels of the Gaussian that averages widths: a small part of the lengths, at least 1."""
+    return max(0.075 * max(min_length, taper), 1.0)
+
+
+def widest(min_length: float, taper: float) -> int:
+    """Return how many pixels across the flow are looked at each way: what is wider is an area, whose rim alone moves."""
+    return math.ceil(max(min_length / 2, taper / 2, 4.0))
+
+
+class Pen(NamedTuple):
+    """A drawing and its flow, rows padded, flattened."""
+
+    strong: Array  # ink without faint ink
+    flow: Complex64
+    raster: Raster
+
+
+@kernel
+def _narrow(first: int, last: int, ink: Array, pen: Pen, widths: Array, reach: int, lines: Array) -> None:
+    """Narrow the strokes in the rows ``first`` .. ``last`` - 1 of ``lines`` to ``widths`` of their widths."""
+    strong, flow, raster = pen
+    columns, place = np.empty(raster.stride + LANES, np.int32), scratch(np.int32, 1)
+    sides = np.empty(2 * LANES, np.float32)
+    for y in range(first, last):
+        row = y * raster.stride
+        count = ink_columns(ink, y, raster, columns)
+        for k in range(0, count, LANES):
+            block = block_at(columns, k, y)
+            store(place, 0, block.x + lane_indices() + row)
+            tx, ty = gather_pairs(flow, place, 0)
+            store(sides, 0, _across(strong, block, ty, -tx, reach, place, raster))
+            store(sides, LANES, _across(strong, block, -ty, tx, reach, place, raster))
+            for lane in range(min(LANES, count - k)):
+                at = row + columns[k + lane]
+                one, other = sides[lane], sides[LANES + lane]
+                half, off = (one + other + strong[at]) / 2, abs(one - other) / 2  # W / 2, |d|
+                share = min(max(widths[at] * (half + 1) - off, 0), 1)
+                lines[at] += ink[at] * (1 - share)
+
+
+@inlined
+def _across(ink: Array, block: Block, nx: Floats, ny: Floats, reach: int, place: Int32, raster: Raster) -> Floats:
+    """Return how much ink lies from a block's pixels to the paper in the direction (nx, ny), in pixels."""
+    total, survival = splat_floats(0.0), splat_floats(1.0)
+    for s in range(1, reach + 1):
+        dx, dy = to_doubles(nx) * float(s), to_doubles(ny) * float(s)
+        q = ink_at(ink, block, dx, dy, place, raster)
+        survival = minimum(survival, 2.0 * q)
+        survival = select(survival < ENDED, 0.0, survival)
+        total = total + survival * q
+        if not any_lane(survival > 0.0):
+            break
+    return total
