@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from flowabs_nodes.filters.flow.gradient import measure_reference
     from flowabs_nodes.filters.flow.lic import lic
     from flowabs_nodes.filters.gaussian_blur import blur
+    from flowabs_nodes.filters.ink_color import ink_color
     from flowabs_nodes.filters.lines.canny import canny
     from flowabs_nodes.filters.lines.dog import dog
     from flowabs_nodes.filters.lines.fdog import fdog
@@ -46,6 +47,7 @@ __all__ = [
     "fdog_iterative",
     "flow_blur",
     "flow_color",
+    "ink_color",
     "lic",
     "mean_shift",
     "measure_clipping",
@@ -72,6 +74,7 @@ _HOMES = {
     "fdog_iterative": "lines.fdog_iterative",
     "flow_blur": "flow.flow_blur",
     "flow_color": "flow.flow_color",
+    "ink_color": "ink_color",
     "lic": "flow.lic",
     "mean_shift": "regions.mean_shift",
     "measure_clipping": "regions.mean_shift",

@@ -56,7 +56,7 @@ def _pictures() -> dict[str, Array | str | float]:
     color = white * chance.random((_HEIGHT, _WIDTH, 3), np.float32)
     angle = np.float32(2 * np.pi) * chance.random((_HEIGHT, _WIDTH), np.float32)
     return {
-        **dict.fromkeys(("code", "response"), mono),
+        **dict.fromkeys(("code", "response", "lightness"), mono),
         "lstar": mono / np.float32(2.55),
         "lines": mono / white,
         "codes": color,

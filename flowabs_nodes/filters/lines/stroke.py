@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +11,7 @@ from flowabs_nodes.array_types import Array, Complex64, Int32
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import validate
 from flowabs_nodes.filters.gaussian_blur import blur
+from flowabs_nodes.filters.lines.stroke_lengths import smoothing, widest
 from flowabs_nodes.filters.lines.stroke_widths import (
     ENDED,
     FAINT,
@@ -48,10 +48,10 @@ def stroke(
 ) -> Array:
     """Narrow the strokes of a drawing: those shorter than a length to nothing, all towards their ends.
 
-    The pixels of ink of a stroke are found by walking along the flow (:mod:`.stroke_widths`); what comes of it is w, 0
-    to 1, how wide the stroke shall be, as a part of its width W. w is averaged over the ink around a pixel (a Gaussian
-    of :func:`smoothing` pixels), and a pixel at a distance d from the middle of the line keeps the share clamp(w (W / 2
-    + 1) - |d|, 0, 1) of its ink. W and d are measured across the flow, ink until there is paper.
+    The pixels of ink of a stroke are found by walking along the flow (:mod:`.stroke_widths`). What comes of it is w, 0
+    to 1, how wide the stroke shall be, as a part of its width W; it is averaged over the ink around a pixel. A pixel at
+    a distance d from the middle of its line then keeps the share clamp(w (W / 2 + 1) - |d|, 0, 1) of its ink. W and d
+    are measured across the flow, ink until there is paper.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def stroke(
     forces = np.empty(0, np.float32)
     if strength > 0 and response is not None:
         forces = padded_rows(validate.plane("response", response, lines.shape), raster)
-    ink = np.maximum(1 - lines, 0)
+    ink = np.clip(1 - lines, 0, 1)
     strong = np.where(ink < FAINT, np.float32(0), ink)
     pen = Pen(padded_rows(strong, raster), padded_rows(flow, raster).view(np.complex64), raster)
     weighted = np.empty((raster.height, raster.stride), np.float32)
@@ -107,16 +107,6 @@ def stroke(
     reach = widest(min_length, taper)
     over_rows(_narrow, raster.height, padded_rows(ink, raster), pen, padded_rows(widths, raster), reach, narrowed)
     return np.ascontiguousarray(narrowed.reshape(raster.height, raster.stride)[:, : raster.width])
-
-
-def smoothing(min_length: float, taper: float) -> float:
-    """Return the sigma in pixels of the Gaussian that averages widths: a small part of the lengths, at least 1."""
-    return max(0.075 * max(min_length, taper), 1.0)
-
-
-def widest(min_length: float, taper: float) -> int:
-    """Return how many pixels across the flow are looked at each way: what is wider is an area, whose rim alone moves."""
-    return math.ceil(max(min_length / 2, taper / 2, 4.0))
 
 
 class Pen(NamedTuple):
@@ -147,7 +137,7 @@ def _narrow(first: int, last: int, ink: Array, pen: Pen, widths: Array, reach: i
                 one, other = sides[lane], sides[LANES + lane]
                 half, off = (one + other + strong[at]) / 2, abs(one - other) / 2  # W / 2, |d|
                 share = min(max(widths[at] * (half + 1) - off, 0), 1)
-                lines[at] += ink[at] * (1 - share)
+                lines[at] = lines[at] * share + (1 - share)
 
 
 @inlined

@@ -22,6 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from flowabs_nodes.array_types import Array, Complex64, Int32
+from flowabs_nodes.filters.lines.stroke_lengths import LONGEST, SHORTEST, gap, longest_walk
 from flowabs_nodes.sampling.coords import Raster, bilinear_coords, nearest_pixels
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import (
@@ -47,8 +48,6 @@ ENDED = np.float32(1 / 64)
 #: Ink below this is no stroke of its own: it goes with the strokes around it, and is paper where a stroke is measured.
 FAINT = np.float32(1 / 64)
 
-_SHORTEST, _LONGEST = 0.5, 1.5  # of min_length: none of a stroke is left at the first, all at the second
-
 
 class Rule(NamedTuple):
     """What makes a stroke: lengths in pixels, 0 for what does not count."""
@@ -62,15 +61,10 @@ class Rule(NamedTuple):
     @classmethod
     def of(cls, min_length: float, taper: float, strength: float) -> Rule:
         """Return the rule for lengths in pixels and a response in code values."""
-        gap = max(min_length, taper) / 5
-        fade = 1 - math.exp(-1 / gap) if gap > 0 else 1.0
-        values = map(np.float32, (min_length, taper, fade))
-        return cls(*values, longest_walk(min_length, taper), np.float32(strength))
-
-
-def longest_walk(min_length: float, taper: float) -> int:
-    """Return how many steps a walk has at most, each way."""
-    return math.ceil(max(_LONGEST * min_length, taper))
+        length = gap(min_length, taper)
+        fade = 1 - math.exp(-1 / length) if length > 0 else 1.0
+        steps = longest_walk(min_length, taper)
+        return cls(np.float32(min_length), np.float32(taper), np.float32(fade), steps, np.float32(strength))
 
 
 class Block(NamedTuple):
@@ -131,7 +125,7 @@ def weigh_widths(
             tx, ty = gather_pairs(flow, place, 0)
             nothing = splat_floats(0.0)
             one_way = _walk(ink, flow, block, tx, ty, nothing, splat_floats(np.inf), place, raster, rule)
-            enough = maximum(_LONGEST * rule.min_length - 1.0 - one_way, rule.taper)
+            enough = maximum(LONGEST * rule.min_length - 1.0 - one_way, rule.taper)
             other_way = _walk(ink, flow, block, -tx, -ty, nothing, enough, place, raster, rule)
             store(widths, 0, _width(one_way, other_way, rule))
             for lane in range(min(LANES, count - k)):
@@ -163,8 +157,9 @@ def _walk(
     for _ in range(rule.steps):
         dx, dy = dx + to_doubles(tx), dy + to_doubles(ty)
         nx, ny = to_doubles(ty), to_doubles(-tx)
-        one, other = ink_at(ink, block, dx + nx, dy + ny, place, raster), ink_at(ink, block, dx - nx, dy - ny, place, raster)
-        aside = to_doubles((one - other) * 0.5)
+        ahead = ink_at(ink, block, dx + nx, dy + ny, place, raster)
+        behind = ink_at(ink, block, dx - nx, dy - ny, place, raster)
+        aside = to_doubles((ahead - behind) * 0.5)
         dx, dy = dx + aside * nx, dy + aside * ny
         q = minimum(2.0 * ink_at(ink, block, dx, dy, place, raster), 1.0)
         survival = survival * (1.0 - rule.fade * (1.0 - q))
@@ -186,7 +181,7 @@ def _width(one_way: Floats, other_way: Floats, rule: Rule) -> Floats:
     width = splat_floats(1.0)
     if rule.min_length > 0:
         length = (one_way + other_way + 1.0) / rule.min_length
-        t = minimum(maximum((length - _SHORTEST) / (_LONGEST - _SHORTEST), 0.0), 1.0)
+        t = minimum(maximum((length - SHORTEST) / (LONGEST - SHORTEST), 0.0), 1.0)
         width = t * t * (3.0 - 2.0 * t)
     if rule.taper > 0:
         u = minimum((minimum(one_way, other_way) + 0.5) / rule.taper, 1.0)
