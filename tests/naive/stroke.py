@@ -12,9 +12,8 @@ def stroke(lines, flow, min_length=0.0, taper=0.0, strength=0.0, response=None):
     """Return the drawing with strokes narrowed."""
     lines, flow = np.asarray(lines, np.float64), np.asarray(flow, np.float64)
     ink = np.clip(1 - lines, 0, 1)
-    strong = np.where(ink < 1 / 64, 0, ink)
     longest = max(min_length, taper)
-    one, other = (walk(strong, flow, way, longest, int(np.ceil(max(1.5 * min_length, taper)))) for way in (1, -1))
+    one, other = (walk(ink, flow, way, longest, int(np.ceil(max(1.5 * min_length, taper)))) for way in (1, -1))
     width = np.ones(ink.shape)
     if min_length > 0:
         width *= smoothstep(0.5, 1.5, (one + other + 1) / min_length)
@@ -23,12 +22,14 @@ def stroke(lines, flow, min_length=0.0, taper=0.0, strength=0.0, response=None):
         width *= u * (2 - u)
     if strength > 0:
         width *= np.clip(-np.asarray(response, np.float64) / strength, 0, 1)
-    sigma = max(0.075 * longest, 1)
-    around = blur(strong, sigma)
-    width = np.where(around > 0, blur(width * strong, sigma) / np.where(around > 0, around, 1), 1)
     reach = int(np.ceil(max(longest / 2, 16)))
-    sides = [across(strong, flow, way, reach) for way in (1, -1)]
-    share = np.clip(width * ((sum(sides) + strong) / 2 + 1) - abs(sides[0] - sides[1]) / 2, 0, 1)
+    sides = [across(ink, flow, way, reach) for way in (1, -1)]
+    whole, off = sum(sides) + ink, abs(sides[0] - sides[1]) / 2
+    middle = np.where((ink >= 1 / 64) & (off <= np.maximum(0.55 * whole / 2, 0.6)), ink, 0)
+    sigma = max(0.1 * longest, 1.5)
+    around = blur(middle, sigma)
+    width = np.where(around > 0, blur(width * middle, sigma) / np.where(around > 0, around, 1), 1)
+    share = np.clip(width * (whole / 2 + 1) - off, 0, 1)
     return np.where(ink > 0, lines * share + 1 - share, lines)
 
 

@@ -2,40 +2,22 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 import numpy.typing as npt
 
-from flowabs_nodes.array_types import Array, Complex64, Int32
+from flowabs_nodes.array_types import Array, Complex64
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import validate
 from flowabs_nodes.filters.gaussian_blur import blur
-from flowabs_nodes.filters.lines.stroke_lengths import smoothing, widest
-from flowabs_nodes.filters.lines.stroke_widths import (
-    ENDED,
-    FAINT,
-    Block,
-    Rule,
-    block_at,
-    ink_at,
-    ink_columns,
-    weigh_widths,
-)
+from flowabs_nodes.filters.lines.stroke_lengths import smoothing
+from flowabs_nodes.filters.lines.stroke_widths import Block, Rule, ink_columns, measure_across, weigh_widths
 from flowabs_nodes.sampling.coords import Raster, padded_rows, raster_of
 from flowabs_nodes.simd.bands import over_rows
-from flowabs_nodes.simd.jit import inlined, kernel
-from flowabs_nodes.simd.lanes import (
-    LANES,
-    Floats,
-    any_lane,
-    lane_indices,
-    minimum,
-    select,
-    splat_floats,
-    to_doubles,
-)
-from flowabs_nodes.simd.memory import gather_pairs, scratch, store
+from flowabs_nodes.simd.jit import kernel
+from flowabs_nodes.simd.lanes import LANES, splat_ints
+from flowabs_nodes.simd.memory import load, scratch, store
+
+_ANY = np.float32(1e-30)  # the least ink that there is: a number that is not 0
 
 
 def stroke(
@@ -94,62 +76,44 @@ def stroke(
     forces = np.empty(0, np.float32)
     if strength > 0 and response is not None:
         forces = padded_rows(validate.plane("response", response, lines.shape), raster)
-    ink = np.clip(1 - lines, 0, 1)
-    strong = np.where(ink < FAINT, np.float32(0), ink)
-    pen = Pen(padded_rows(strong, raster), padded_rows(flow, raster).view(np.complex64), raster)
-    weighted = np.empty((raster.height, raster.stride), np.float32)
+    ink = padded_rows(np.clip(1 - lines, 0, 1), raster)
+    tangents = padded_rows(flow, raster).view(np.complex64)
     rule = Rule.of(min_length, taper, strength)
-    over_rows(weigh_widths, raster.height, pen.strong, pen.flow, forces, raster, rule, weighted.reshape(-1))
-    sigma = smoothing(min_length, taper)
-    around, widths = blur(strong, sigma), np.ones_like(ink)
-    np.divide(blur(weighted[:, : raster.width], sigma), around, out=widths, where=around > 0)
+    middle, weighted = np.empty_like(ink), np.empty_like(ink)
+    over_rows(weigh_widths, raster.height, ink, tangents, forces, raster, rule, middle, weighted)
+    widths = _averaged(weighted, middle, raster, smoothing(min_length, taper))
     narrowed = padded_rows(lines.copy(), raster)
-    reach = widest(min_length, taper)
-    over_rows(_narrow, raster.height, padded_rows(ink, raster), pen, padded_rows(widths, raster), reach, narrowed)
+    over_rows(_narrow, raster.height, ink, tangents, widths, raster, rule.reach, narrowed)
     return np.ascontiguousarray(narrowed.reshape(raster.height, raster.stride)[:, : raster.width])
 
 
-class Pen(NamedTuple):
-    """A drawing and its flow, rows padded, flattened."""
-
-    strong: Array  # ink without faint ink
-    flow: Complex64
-    raster: Raster
+def _averaged(weighted: Array, weights: Array, raster: Raster, sigma: float) -> Array:
+    """Return the mean of ``weighted`` / ``weights`` around each pixel, 1 where no weight is; rows padded, flattened."""
+    shape = raster.height, raster.stride
+    around = blur(weights.reshape(shape)[:, : raster.width], sigma)
+    means = np.ones_like(around)
+    np.divide(blur(weighted.reshape(shape)[:, : raster.width], sigma), around, out=means, where=around > 0)
+    return padded_rows(means, raster)
 
 
 @kernel
-def _narrow(first: int, last: int, ink: Array, pen: Pen, widths: Array, reach: int, lines: Array) -> None:
+def _narrow(
+    first: int, last: int, ink: Array, flow: Complex64, widths: Array, raster: Raster, reach: int, lines: Array
+) -> None:
     """Narrow the strokes in the rows ``first`` .. ``last`` - 1 of ``lines`` to ``widths`` of their widths."""
-    strong, flow, raster = pen
     columns, place = np.empty(raster.stride + LANES, np.int32), scratch(np.int32, 1)
     sides = np.empty(2 * LANES, np.float32)
     for y in range(first, last):
         row = y * raster.stride
-        count = ink_columns(ink, y, raster, columns)
+        count = ink_columns(ink, y, _ANY, raster, columns)
         for k in range(0, count, LANES):
-            block = block_at(columns, k, y)
-            store(place, 0, block.x + lane_indices() + row)
-            tx, ty = gather_pairs(flow, place, 0)
-            store(sides, 0, _across(strong, block, ty, -tx, reach, place, raster))
-            store(sides, LANES, _across(strong, block, -ty, tx, reach, place, raster))
+            block = Block(load(columns, k), splat_ints(y))
+            one_side, other_side = measure_across(ink, flow, block, reach, raster, place)
+            store(sides, 0, one_side)
+            store(sides, LANES, other_side)
             for lane in range(min(LANES, count - k)):
                 at = row + columns[k + lane]
                 one, other = sides[lane], sides[LANES + lane]
-                half, off = (one + other + strong[at]) / 2, abs(one - other) / 2  # W / 2, |d|
+                half, off = (one + other + ink[at]) / 2, abs(one - other) / 2  # W / 2, |d|
                 share = min(max(widths[at] * (half + 1) - off, 0), 1)
                 lines[at] = lines[at] * share + (1 - share)
-
-
-@inlined
-def _across(ink: Array, block: Block, nx: Floats, ny: Floats, reach: int, place: Int32, raster: Raster) -> Floats:
-    """Return how much ink lies from a block's pixels to the paper in the direction (nx, ny), in pixels."""
-    total, survival = splat_floats(0.0), splat_floats(1.0)
-    for s in range(1, reach + 1):
-        dx, dy = to_doubles(nx) * float(s), to_doubles(ny) * float(s)
-        q = ink_at(ink, block, dx, dy, place, raster)
-        survival = minimum(survival, 2.0 * q)
-        survival = select(survival < ENDED, 0.0, survival)
-        total = total + survival * q
-        if not any_lane(survival > 0.0):
-            break
-    return total

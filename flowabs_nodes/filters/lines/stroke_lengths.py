@@ -19,8 +19,8 @@ def gap(min_length: float, taper: float) -> float:
 
 
 def smoothing(min_length: float, taper: float) -> float:
-    """Return the sigma of the Gaussian that averages widths over the ink around a pixel."""
-    return max(0.075 * max(min_length, taper), 1.0)
+    """Return the sigma of the Gaussian that averages widths over the middle of the strokes around a pixel."""
+    return max(0.1 * max(min_length, taper), 1.5)
 
 
 def widest(min_length: float, taper: float) -> int:
