@@ -20,7 +20,7 @@ WORKERS = {
     "read_aov": (read_data,),
     "write": (build_picture,),
 }
-NOT_PARAMETERS = {"alpha", "mask", "settings", "note", "warn", "layers"}  # they come from the inputs or the run
+NOT_PARAMETERS = {"alpha", "mask", "response", "settings", "note", "warn", "layers"}  # they come from the inputs or the run
 
 
 def workers(type):
