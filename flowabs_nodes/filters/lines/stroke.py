@@ -79,20 +79,24 @@ def stroke(
     ink = padded_rows(np.clip(1 - lines, 0, 1), raster)
     tangents = padded_rows(flow, raster).view(np.complex64)
     rule = Rule.of(min_length, taper, strength)
-    middle, weighted = np.empty_like(ink), np.empty_like(ink)
-    over_rows(weigh_widths, raster.height, ink, tangents, forces, raster, rule, middle, weighted)
-    widths = _averaged(weighted, middle, raster, smoothing(min_length, taper))
+    widths = _widths(ink, tangents, forces, raster, rule, smoothing(min_length, taper))
     narrowed = padded_rows(lines.copy(), raster)
     over_rows(_narrow, raster.height, ink, tangents, widths, raster, rule.reach, narrowed)
     return np.ascontiguousarray(narrowed.reshape(raster.height, raster.stride)[:, : raster.width])
 
 
-def _averaged(weighted: Array, weights: Array, raster: Raster, sigma: float) -> Array:
-    """Return the mean of ``weighted`` / ``weights`` around each pixel, 1 where no weight is; rows padded, flattened."""
+def _widths(ink: Array, flow: Complex64, response: Array, raster: Raster, rule: Rule, sigma: float) -> Array:
+    """Return w, averaged over the middles of strokes around each pixel, 1 where there is none.
+
+    All pictures have their rows padded, and are flattened.
+    """
+    middle, weighted = np.empty_like(ink), np.empty_like(ink)
+    over_rows(weigh_widths, raster.height, ink, flow, response, raster, rule, middle, weighted)
     shape = raster.height, raster.stride
-    around = blur(weights.reshape(shape)[:, : raster.width], sigma)
-    means = np.ones_like(around)
-    np.divide(blur(weighted.reshape(shape)[:, : raster.width], sigma), around, out=means, where=around > 0)
+    around = blur(middle.reshape(shape)[:, : raster.width], sigma)
+    means = blur(weighted.reshape(shape)[:, : raster.width], sigma)
+    np.divide(means, around, out=means, where=around > 0)
+    means[around <= 0] = 1
     return padded_rows(means, raster)
 
 
