@@ -41,8 +41,9 @@ def ink_color(
     light_ink: Sequence[float] = (0.8, 0.8, 0.8),
     light_below: float = 0.0,
 ) -> Array:
-    """Return the colour of ink at each pixel: c = d + l (light_ink - d), d = ink + tone (rgb / 8 - ink).
+    """Return the colour of ink at each pixel: c = d + l (light_ink - d), d = ink + tone (f / 8 - ink).
 
+    f = rgb / max(1, its largest channel): on light beyond white, ink is as on white, or a screen would show none.
     l = 1 - smoothstep(3/4, 5/4, lightness / light_below) is 1 on dark grounds, and 0 where ``light_below`` is 0.
 
     Parameters
@@ -104,9 +105,10 @@ def _ink_color(first: int, last: int, rgb: Array, lightness: Array, inks: Inks, 
             x = load(lightness, i) / inks.light_below
             t = minimum(maximum((x - _LIGHT) / (_DARK - _LIGHT), 0.0), 1.0)
             light = 1.0 - t * t * (3.0 - 2.0 * t)
-        red = _mixed(r, inks.ink[0], inks.light_ink[0], inks.tone, light)
-        green = _mixed(g, inks.ink[1], inks.light_ink[1], inks.tone, light)
-        blue = _mixed(b, inks.ink[2], inks.light_ink[2], inks.tone, light)
+        most = maximum(maximum(r, g), maximum(b, 1.0))
+        red = _mixed(r / most, inks.ink[0], inks.light_ink[0], inks.tone, light)
+        green = _mixed(g / most, inks.ink[1], inks.light_ink[1], inks.tone, light)
+        blue = _mixed(b / most, inks.ink[2], inks.light_ink[2], inks.tone, light)
         total = total + (zero_or_nan(r) + zero_or_nan(g) + zero_or_nan(b))
         total = total + (zero_or_nan(red) + zero_or_nan(green) + zero_or_nan(blue))
         store_triples(colors, 3 * i, (red, green, blue))

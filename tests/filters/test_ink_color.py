@@ -11,7 +11,7 @@ def test_equals_the_definition(size):
     random = np.random.default_rng(0)
     rgb, lightness = random.normal(0.5, 1, (*size, 3)), random.uniform(0, 100, size)
     ink, light_ink = np.array((0.1, 0.0, 0.3)), np.array((0.9, 0.8, 2.0))
-    dark = ink + 0.6 * (np.maximum(rgb, 0) / 8 - ink)
+    dark = ink + 0.6 * (np.maximum(rgb, 0) / np.maximum(rgb.max(2, keepdims=True), 1) / 8 - ink)
     light = 1 - smoothstep(0.75, 1.25, lightness / 40)[..., None]
     found = ink_color(rgb, lightness, tuple(ink), 0.6, tuple(light_ink), 40)
     assert found.dtype == np.float32
@@ -24,8 +24,12 @@ def test_without_tone_and_dark_grounds_it_is_the_ink():
 
 
 def test_full_tone_is_darker_and_of_the_same_hue():
-    rgb = np.random.default_rng(0).uniform(0, 2, (4, 5, 3)).astype(np.float32)
+    rgb = np.random.default_rng(0).uniform(0, 1, (4, 5, 3)).astype(np.float32)
     np.testing.assert_array_equal(ink_color(rgb, rgb[..., 0], tone=1), rgb / 8)
+
+
+def test_on_highlights_ink_is_as_on_white_of_their_hue():
+    np.testing.assert_allclose(ink_color([[[50, 25, 5]]], [[300]], tone=1), [[[1 / 8, 1 / 16, 1 / 80]]], rtol=1e-6)
 
 
 def test_composite_takes_a_colour_for_each_pixel():
