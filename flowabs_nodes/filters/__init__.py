@@ -19,10 +19,12 @@ if TYPE_CHECKING:
     from flowabs_nodes.filters.flow.gradient import measure_reference
     from flowabs_nodes.filters.flow.lic import lic
     from flowabs_nodes.filters.gaussian_blur import blur
+    from flowabs_nodes.filters.ink_color import ink_color
     from flowabs_nodes.filters.lines.canny import canny
     from flowabs_nodes.filters.lines.dog import dog
     from flowabs_nodes.filters.lines.fdog import fdog
     from flowabs_nodes.filters.lines.fdog_iterative import fdog_iterative
+    from flowabs_nodes.filters.lines.stroke import stroke
     from flowabs_nodes.filters.lines.threshold import threshold
     from flowabs_nodes.filters.lines.xdog import xdog, xdog_rho
     from flowabs_nodes.filters.regions.bilateral import bilateral
@@ -47,6 +49,7 @@ __all__ = [
     "fdog_iterative",
     "flow_blur",
     "flow_color",
+    "ink_color",
     "lic",
     "mean_shift",
     "measure_clipping",
@@ -54,6 +57,7 @@ __all__ = [
     "quantize",
     "rolling_guidance",
     "shoulder",
+    "stroke",
     "threshold",
     "warm_up",
     "xdog",
@@ -74,6 +78,7 @@ _HOMES = {
     "fdog_iterative": "lines.fdog_iterative",
     "flow_blur": "flow.flow_blur",
     "flow_color": "flow.flow_color",
+    "ink_color": "ink_color",
     "lic": "flow.lic",
     "mean_shift": "regions.mean_shift",
     "measure_clipping": "regions.mean_shift",
@@ -81,6 +86,7 @@ _HOMES = {
     "quantize": "regions.quantize",
     "rolling_guidance": "regions.rolling_guidance",
     "shoulder": "shoulder",
+    "stroke": "lines.stroke",
     "threshold": "lines.threshold",
     "warm_up": "warming",
     "xdog": "lines.xdog",

@@ -14,7 +14,7 @@ from flowabs_nodes.filters import validate
 from flowabs_nodes.simd.finite import refuse_non_finite, refuse_overflow
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import splat_floats
-from flowabs_nodes.simd.memory import load, store_quads, store_triples
+from flowabs_nodes.simd.memory import load, load_triples, store_quads, store_triples
 from flowabs_nodes.simd.pixelwise import any_nan, as_picture, as_run, empty_run, first_pixel, over_pixels, zero_or_nan
 from flowabs_nodes.simd.premultiplied import load_rgba
 
@@ -24,7 +24,7 @@ InkColor = tuple[float, float, float, float]  # red, green, blue, in the colours
 def composite(
     rgb: npt.ArrayLike,
     lines: npt.ArrayLike,
-    ink: Sequence[float] = (0.0, 0.0, 0.0),
+    ink: Sequence[float] | Array = (0.0, 0.0, 0.0),
     opacity: float = 1.0,
     alpha: npt.ArrayLike | None = None,
 ) -> Array:
@@ -37,7 +37,8 @@ def composite(
     lines
         (H, W), 1 paper and 0 ink.
     ink
-        Three numbers, in the colours of ``rgb``.
+        Three numbers, in the colours of ``rgb``; or (H, W, 3), those of each pixel, as of
+        :func:`~flowabs_nodes.filters.ink_color`.
     opacity
         0 to 1.
     alpha
@@ -56,6 +57,10 @@ def composite(
     lines = validate.plane("lines", lines, rgb.shape, check_finite=False)
     coverage = None if alpha is None else validate.plane("alpha", alpha, rgb.shape, check_finite=False)
     opacity = validate.number("opacity", opacity, min=0, max=1)
+    if isinstance(ink, np.ndarray) and ink.ndim == 3:
+        colors = validate.planes("ink", ink, check_finite=False)
+        validate.plane("ink", colors[..., 0], rgb.shape, check_finite=False)  # the size of the picture
+        return inked_in_colors(rgb, lines, colors, opacity, coverage)
     color = tuple(validate.number("ink", value) for value in ink)
     if len(color) != 3:
         raise ArgumentError(f"ink: expected three numbers, found {len(color)}", parameter="ink")
@@ -73,6 +78,21 @@ def inked(pixels: Array, lines: Array, ink: InkColor, alpha: Array | None = None
     picture = as_picture(result, *pixels.shape)
     if any(over_pixels(_composite, drawing.size, as_run(pixels, channels), channels, drawing, ink, coverage, result)):
         for name, array in (("rgb", pixels), ("lines", lines), ("alpha", alpha)):
+            if array is not None:
+                refuse_non_finite(name, array)
+        refuse_overflow("rgb" if alpha is None else "alpha", pixels if alpha is None else alpha, picture)
+    return picture
+
+
+def inked_in_colors(pixels: Array, lines: Array, colors: Array, opacity: float, alpha: Array | None = None) -> Array:
+    """Return what :func:`inked` does, with an ink of its own for each pixel, ``colors`` (H, W, 3)."""
+    channels = pixels.shape[2]
+    drawing, coverage = as_run(lines), np.empty(0, np.float32) if alpha is None else as_run(alpha)
+    result = empty_run(lines.size, channels)
+    picture = as_picture(result, *pixels.shape)
+    run, inks = as_run(pixels, channels), as_run(colors, 3)
+    if any(over_pixels(_composite_colors, drawing.size, run, channels, drawing, inks, opacity, coverage, result)):
+        for name, array in (("rgb", pixels), ("lines", lines), ("ink", colors), ("alpha", alpha)):
             if array is not None:
                 refuse_non_finite(name, array)
         refuse_overflow("rgb" if alpha is None else "alpha", pixels if alpha is None else alpha, picture)
@@ -105,8 +125,38 @@ def _composite(
     return found
 
 
+@kernel
+def _composite_colors(
+    first: int,
+    last: int,
+    pixels: Array,
+    channels: int,
+    lines: Array,
+    colors: Array,
+    opacity: float,
+    alpha: Array,
+    result: Array,
+) -> bool:
+    """Write what :func:`_composite` does; ``colors`` is the ink of each pixel, (H, W, 3) flattened."""
+    total = splat_floats(0.0)
+    for block in range(first, last):
+        i = first_pixel(block, lines.size)
+        r, g, b, a = load_rgba(pixels, channels, i)
+        if alpha.size > 0:
+            a = load(alpha, i)
+        red, green, blue = load_triples(colors, 3 * i)
+        r, g, b = over(r, g, b, a, load(lines, i), (red, green, blue, opacity))
+        total = total + (zero_or_nan(r) + zero_or_nan(g) + zero_or_nan(b))
+        if channels == 4:
+            store_quads(result, 4 * i, (r, g, b, a))
+        else:
+            store_triples(result, 3 * i, (r, g, b))
+    found: bool = any_nan(total)
+    return found
+
+
 @inlined
-def over(r: Any, g: Any, b: Any, a: Any, line: Any, ink: InkColor) -> Any:
+def over(r: Any, g: Any, b: Any, a: Any, line: Any, ink: Any) -> Any:
     """Return r, g and b of sixteen premultiplied pixels of coverage a, with ink over them where ``line`` is below 1."""
     red, green, blue, opacity = ink
     k = (1.0 - line) * opacity

@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 
 from flowabs_nodes.filters.gaussian import LONGER, SURROUND, radius
+from flowabs_nodes.filters.lines.stroke_lengths import longest_walk, smoothing, widest
 
 _SOBEL = 1  # pixels that a gradient reads to each side
 
@@ -57,6 +58,13 @@ def evidence(sigma_m: float, evidence: float) -> int:
 def fdog_iterative(sigma_m: float, sigma_c: float, iterations: int, pre_blur: float) -> int:
     """Return the halo of ``iterations`` passes of FDoG, each of a picture that is blurred first."""
     return iterations * (blur(pre_blur) + fdog(sigma_m, sigma_c))
+
+
+def stroke(min_length: float, taper: float) -> int:
+    """Return the halo of strokes: of walks along the flow, each step with half a pixel aside, and of their mean."""
+    steps, across = longest_walk(min_length, taper), widest(min_length, taper)
+    walk = along(math.ceil(math.hypot(1, 0.5) * steps)) + 1  # the ink on either side of a point
+    return blur(smoothing(min_length, taper)) + max(walk, along(across))
 
 
 def fbl(sigma_e: float, sigma_g: float, iterations: int) -> int:

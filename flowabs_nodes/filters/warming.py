@@ -12,6 +12,9 @@ from flowabs_nodes.errors import ArgumentError, FlowabsError, nearest
 
 _HEIGHT, _WIDTH = 24, 40
 
+#: Parameters of filters that do nothing by default.
+_BESIDE_DEFAULTS = {"stroke": {"min_length": 4.0}}
+
 
 def warm_up(*names: str) -> None:
     """Run filters once on a small picture, with default parameters, so that their first use takes no longer.
@@ -42,7 +45,7 @@ def warm_up(*names: str) -> None:
         given = inspect.signature(function).parameters.values()
         needed = {each.name: pictures[each.name] for each in given if each.default is each.empty}
         try:
-            function(**needed)
+            function(**needed, **_BESIDE_DEFAULTS.get(name, {}))
         except FlowabsError as error:
             if names or error.code != "missing-package":
                 raise
@@ -56,7 +59,7 @@ def _pictures() -> dict[str, Array | str | float]:
     color = white * chance.random((_HEIGHT, _WIDTH, 3), np.float32)
     angle = np.float32(2 * np.pi) * chance.random((_HEIGHT, _WIDTH), np.float32)
     return {
-        **dict.fromkeys(("code", "response"), mono),
+        **dict.fromkeys(("code", "response", "lightness"), mono),
         "lstar": mono / np.float32(2.55),
         "lines": mono / white,
         "codes": color,

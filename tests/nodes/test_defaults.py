@@ -20,7 +20,8 @@ WORKERS = {
     "read_aov": (read_data,),
     "write": (build_picture,),
 }
-NOT_PARAMETERS = {"alpha", "mask", "settings", "note", "warn", "layers"}  # they come from the inputs or the run
+#: They come from the inputs or the run.
+NOT_PARAMETERS = {"alpha", "mask", "response", "settings", "note", "warn", "layers"}
 
 
 def workers(type):

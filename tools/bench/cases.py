@@ -142,6 +142,7 @@ STAGES: dict[str, Stage] = {
     "fdog-color": _plain(lambda p: filters.fdog(p.codes, p.flow, color_weight=0.5)),
     "threshold": _plain(lambda p: filters.threshold(p.response), in_p=1),
     "flow-blur": _plain(lambda p: filters.flow_blur(p.lines, p.flow)),
+    "stroke": _plain(lambda p: filters.stroke(p.lines, p.flow, 20, 12)),
     "fbl-nearest": _plain(lambda p: filters.fbl(p.codes, p.flow), in_p=5, per=5),
     "fbl-bilinear": _plain(lambda p: filters.fbl(p.codes, p.flow, iterations=2, sampling="bilinear"), per=2),
     "finish": _plain(_finish, in_p=1),  # quantize, composite and decode-lab in one go
