@@ -79,12 +79,12 @@ class SoftEdges:
             least=ROWS,
         )
         found = np.ascontiguousarray(found[..., :width])
-        return along(found, flow, _weights(self.lengths), "bilinear")
+        return along(found, flow, _every_half_sigma(self.lengths.t), "bilinear")
 
 
-def _weights(each: Lengths) -> Float64:
-    """Return the Gaussian along the flow, at every n-th step: what was found is smooth over t, so t / 2 is enough."""
-    weights = gaussian.half(each.along)
-    every = max(1, round(each.t / 2))
-    weights[np.arange(weights.size) % every > 0] = 0
-    return weights / (2 * weights.sum() - weights[0])
+def _every_half_sigma(sigma: float) -> Float64:
+    """Return one side of G(sigma) with weights at steps of sigma / 2 alone: of what is smooth these are enough."""
+    weights = gaussian.half(sigma)
+    weights[np.arange(weights.size) % max(1, round(sigma / 2)) > 0] = 0
+    both: Float64 = weights / (2 * weights.sum() - weights[0])
+    return both

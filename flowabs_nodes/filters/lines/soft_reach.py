@@ -8,29 +8,21 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from flowabs_nodes.filters import gaussian
-
 
 class Lengths(NamedTuple):
     """Lengths in pixels."""
 
-    t: float  # sigma of the blur before gradients are measured
+    t: float  # sigma of the blur before gradients are measured, and of the one along the flow of what comes of them
     d: float  # distance of the two gradients beside the pixel that the edge is found from
     e: float  # distance of the two farther ones that must agree with it
-    along: float  # sigma of the Gaussian along the flow that calms what was found
 
 
 def lengths(soft_reach: float) -> Lengths:
     """Return the lengths for outlines of a blur of up to ``soft_reach`` pixels (sigma)."""
     t = soft_reach / 2
-    return Lengths(t, 8 / 7 * t, 16 / 7 * t, 12 / 7 * t)
+    return Lengths(t, 8 / 7 * t, 16 / 7 * t)
 
 
 def steps_across(soft_reach: float) -> int:
     """Return how many pixels across the flow are read: the farther gradient, measured between half a pixel each side."""
     return math.ceil(lengths(soft_reach).e + 0.5)
-
-
-def steps_along(soft_reach: float) -> int:
-    """Return how many steps along the flow are taken."""
-    return gaussian.radius(lengths(soft_reach).along)
