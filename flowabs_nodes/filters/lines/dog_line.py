@@ -101,9 +101,7 @@ def _across(
 
 
 @inlined
-def locate_both_sides(
-    dx: Any, dy: Any, x: int, y: int, tile: Tile, entries: Int32, offsets: Array, k: int
-) -> None:
+def locate_both_sides(dx: Any, dy: Any, x: int, y: int, tile: Tile, entries: Int32, offsets: Array, k: int) -> None:
     """Write where the points (dx, dy) and (-dx, -dy) from the pixels x .. x + 15 of row y are, as the k-th points."""
     left, top = floor(dx), floor(dy)
     store(offsets, 2 * LANES * k, dx - left)

@@ -47,8 +47,8 @@ from flowabs_nodes.simd.memory import load, load_pairs, scratch, store
 _FINER, _NOT_FINER = 0.8, 0.95
 #: b / t: edges softer than that are shading.
 _SOFT, _TOO_SOFT = 2.0, 20 / 7
-#: t^3 C / (sqrt(2 pi) max(b_t, t)^3) in code values: the third derivative at the edge, times t^3. The smaller it is, the
-#: farther noise moves the edge: noise of sigma 2 code values by about 1/2 and 1/4 pixel.
+#: t^3 C / (sqrt(2 pi) max(b_t, t)^3) in code values: the third derivative at the edge, times t^3. The smaller it is,
+#: the farther noise moves an edge: white noise of 2 code values, sigma, by 0.4 and 0.2 pixels (2 sqrt(3 / 16 pi) over it).
 _UNSURE, _SURE = 1.3, 2.1
 #: How far the gradients at -e and e are from those of the edge, in units of its own: others are near, as at thin lines.
 _ALONE, _CROWDED = 0.3, 0.6
@@ -108,6 +108,7 @@ def missing_response(
     """
     channels, height, width = shape
     steps = int(np.ceil(model.e + _HALF))
+    distances = (_HALF, model.d - _HALF, model.d + _HALF, model.e - _HALF, model.e + _HALF)
     entries, offsets, gradient = scratch(np.int32, 12), scratch(np.float32, 12), scratch(np.float32, 4)
     size = tile_capacity(steps, last - first, width, height)
     lattices = np.empty(channels * size, np.complex64)
@@ -121,7 +122,7 @@ def missing_response(
                 for each in range(x0, x_end, LANES):
                     x = min(each, width - LANES)
                     tx, ty = _direction(flow, y * width + x)
-                    for k, far in enumerate((_HALF, model.d - _HALF, model.d + _HALF, model.e - _HALF, model.e + _HALF)):
+                    for k, far in enumerate(distances):
                         locate_both_sides(ty * far, -tx * far, x, y, around, entries, offsets, k)
                     locate_both_sides(tx * model.t, ty * model.t, x, y, around, entries, offsets, 5)
                     none = splat_floats(0.0)

@@ -62,24 +62,19 @@ class SoftEdges:
 
     def missing(self, planes: Array, flow: Array) -> Array:
         """Return what to add to the sums across the flow (eq. 10) of planes (C, H, W) of code values, (C, H, W)."""
+        return along(self._found(planes, flow), flow, _every_half_sigma(self.lengths.t), "bilinear")
+
+    def _found(self, planes: Array, flow: Array) -> Array:
+        """Return what is missing at each pixel for itself."""
         height, width = planes.shape[1:]
         blurred = np.empty_like(planes)
         for plane, result in zip(planes, blurred, strict=True):
             result[:] = blur(plane, self.lengths.t)
-        blurred, wide_flow = pad_width(blurred, 2), pad_width(flow, 1)
+        blurred, flow = pad_width(blurred, 2), pad_width(flow, 1)
         found = np.empty_like(blurred)
-        over_rows(
-            missing_response,
-            height,
-            blurred.reshape(-1),
-            PlanesShape(*blurred.shape),
-            wide_flow.reshape(-1).view(np.complex64),
-            self.model,
-            found.reshape(-1),
-            least=ROWS,
-        )
-        found = np.ascontiguousarray(found[..., :width])
-        return along(found, flow, _every_half_sigma(self.lengths.t), "bilinear")
+        pictures = blurred.reshape(-1), PlanesShape(*blurred.shape), flow.reshape(-1).view(np.complex64)
+        over_rows(missing_response, height, *pictures, self.model, found.reshape(-1), least=ROWS)
+        return np.ascontiguousarray(found[..., :width])
 
 
 def _every_half_sigma(sigma: float) -> Float64:

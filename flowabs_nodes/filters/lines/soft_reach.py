@@ -24,5 +24,5 @@ def lengths(soft_reach: float) -> Lengths:
 
 
 def steps_across(soft_reach: float) -> int:
-    """Return how many pixels across the flow are read: the farther gradient, measured between half a pixel each side."""
+    """Return how many pixels across the flow are read: up to half a pixel beyond the farther gradients."""
     return math.ceil(lengths(soft_reach).e + 0.5)
