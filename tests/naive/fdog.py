@@ -48,8 +48,7 @@ def fdog(
     if code.ndim == 3:
         lack = np.broadcast_to(missing, code.shape)
         d = [
-            fdog(code[..., k], flow, sigma_m, sigma_c, rho, 0, kernel, sampling, missing=lack[..., k])
-            for k in range(3)
+            fdog(code[..., k], flow, sigma_m, sigma_c, rho, 0, kernel, sampling, missing=lack[..., k]) for k in range(3)
         ]
         if color_weight == 0:
             return d[0]

@@ -48,7 +48,7 @@ _FINER, _NOT_FINER = 0.8, 0.95
 #: b / t: edges softer than that are shading.
 _SOFT, _TOO_SOFT = 2.0, 20 / 7
 #: t^3 C / (sqrt(2 pi) max(b_t, t)^3) in code values: the third derivative at the edge, times t^3. The smaller it is,
-#: the farther noise moves an edge: white noise of 2 code values, sigma, by 0.4 and 0.2 pixels (2 sqrt(3 / 16 pi) over it).
+#: the farther noise moves an edge: white noise of sigma 2 by 0.4 and 0.2 pixels, 2 sqrt(3 / 16 pi) over it.
 _UNSURE, _SURE = 1.3, 2.1
 #: How far the gradients at -e and e are from those of the edge, in units of its own: others are near, as at thin lines.
 _ALONE, _CROWDED = 0.3, 0.6
