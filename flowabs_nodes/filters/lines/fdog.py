@@ -142,11 +142,11 @@ class Detector:
         if self.full:
             responses = exact_sum(planes, flow, self.taps, self.weights, self.sampling)  # eq. 6
             if missing is not None:
-                responses = responses + along(missing, flow, self.weights, self.sampling)
+                responses += along(missing, flow, self.weights, self.sampling)
         else:
             sums = across(planes, flow, self.taps)  # eq. 10
             if missing is not None:
-                sums = sums + missing
+                sums += missing
             responses = along(sums, flow, self.weights, self.sampling)  # eq. 11
         if self.color_weight == 0:
             first: Array = responses[0]
