@@ -117,9 +117,12 @@ def test_in_one_pass_and_without_a_blur_before():
     assert line(4)[1] == pytest.approx(line(0.01)[1], rel=0.2)
 
 
-def test_edges_softer_than_the_reach_are_left_alone():
+@pytest.mark.parametrize(("blur", "contrast"), [(6, 80), (12, 800), (6, 15)])
+def test_edges_that_are_softer_than_the_reach_or_that_noise_would_move_are_left_alone(blur, contrast):
     edge = Edge(0)
-    assert edge.line(edge.draw(edge.step(12, 80)))[0] == 0
+    soft = SoftEdges.checked(1.0, 7.0, sigma_c=1.0, rho=1.0, color_weight=0.0, pre_blur=1.5)
+    found = abs(soft.missing(edge.step(blur, contrast).astype(np.float32)[None], edge.flow)[0, :, 20:60]).max()
+    assert found > 3 if (blur, contrast) == (6, 80) else found < 0.01
 
 
 @pytest.mark.parametrize("blur", [1, 2, 3, 3.5])
