@@ -14,6 +14,8 @@ from __future__ import annotations
 import math
 
 from flowabs_nodes.filters.gaussian import LONGER, SURROUND, radius
+from flowabs_nodes.filters.lines.soft_reach import lengths as soft_edge_lengths
+from flowabs_nodes.filters.lines.soft_reach import steps_across
 from flowabs_nodes.filters.lines.stroke_lengths import longest_walk, smoothing, widest
 
 _SOBEL = 1  # pixels that a gradient reads to each side
@@ -45,19 +47,35 @@ def etf(radius: float, iterations: int, pre_blur: float) -> int:
     return blur(pre_blur) + _SOBEL + iterations * footprint
 
 
-def fdog(sigma_m: float, sigma_c: float) -> int:
-    """Return the halo of eq. 6, or of eqs. 10 and 11: across the flow at every point along it."""
-    return flow_blur(sigma_m) + along(dog(sigma_c))
+def soft_edges(soft_reach: float) -> int:
+    """Return the halo of what soft edges lack: gradients of a blurred picture, blurred along the flow."""
+    t = soft_edge_lengths(soft_reach).t
+    return blur(t) + along(steps_across(soft_reach)) + flow_blur(t)
+
+
+def fdog(sigma_m: float, sigma_c: float, soft_reach: float | None = None) -> int:
+    """Return the halo of eq. 6, or of eqs. 10 and 11: across the flow at every point along it.
+
+    ``soft_reach`` is None where soft edges are not looked for.
+    """
+    return fdog_iterative(sigma_m, sigma_c, 1, 0, soft_reach)
+
+
+def fdog_iterative(
+    sigma_m: float, sigma_c: float, iterations: int, pre_blur: float, soft_reach: float | None = None
+) -> int:
+    """Return the halo of ``iterations`` passes of FDoG, each of a picture that is blurred first.
+
+    ``soft_reach`` is as in :func:`fdog`. What soft edges lack comes of the picture without ink.
+    """
+    across = blur(pre_blur) + along(dog(sigma_c))
+    soft = 0 if soft_reach is None else soft_edges(soft_reach)
+    return (iterations - 1) * (across + flow_blur(sigma_m)) + max(across, soft) + flow_blur(sigma_m)
 
 
 def evidence(sigma_m: float, evidence: float) -> int:
     """Return the halo of looking for evidence, on top of that of FDoG."""
     return 0 if evidence == 0 else flow_blur(LONGER * sigma_m)
-
-
-def fdog_iterative(sigma_m: float, sigma_c: float, iterations: int, pre_blur: float) -> int:
-    """Return the halo of ``iterations`` passes of FDoG, each of a picture that is blurred first."""
-    return iterations * (blur(pre_blur) + fdog(sigma_m, sigma_c))
 
 
 def stroke(min_length: float, taper: float) -> int:

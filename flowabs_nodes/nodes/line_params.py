@@ -122,6 +122,34 @@ XDOG = (
     ),
 )
 
+#: Outlines that are softer than a line.
+SOFT = (
+    Param.float(
+        "soft_lines",
+        0.0,
+        min=0,
+        max=1,
+        soft=(0, 1),
+        label="Soft outlines",
+        group="Soft outlines",
+        help="Draw blurred outlines (a jaw, hair, a ground out of focus) as one line of normal width: how much of it. "
+        "0 leaves them to the line filter, which fades with the blur.",
+    ),
+    Param.float(
+        "soft_reach",
+        7.0,
+        min=1,
+        max=1000,
+        soft=(3, 12),
+        unit="px",
+        floor=2.0,
+        label="Softest outline",
+        group="Soft outlines",
+        help="Blur (sigma) of the softest outlines that soft_lines draws: lower leaves grounds out of focus alone, "
+        "higher finds folds and shading too.",
+    ),
+)
+
 #: What FDoG takes beside the parameters above.
 ALONG_FLOW = (
     Param.float(

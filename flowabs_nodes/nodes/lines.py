@@ -17,7 +17,7 @@ from flowabs_nodes.filters import halo
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.common_params import GROUND, SPACE
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
-from flowabs_nodes.nodes.line_params import ALONG_FLOW, DIFFERENCE, FORM, SIGMA_M, THRESHOLD, XDOG
+from flowabs_nodes.nodes.line_params import ALONG_FLOW, DIFFERENCE, FORM, SIGMA_M, SOFT, THRESHOLD, XDOG
 from flowabs_nodes.nodes.regions import within
 
 IMAGE = Port("image", "color", "The picture to draw.")
@@ -131,8 +131,14 @@ def run_fdog(
     return outputs(image, smoothed(lines, flow, smooth, fdog["sampling"]), response, mask)
 
 
+def _soft_reach(params: Mapping[str, Any]) -> float | None:
+    """Return how soft the outlines are that are looked for, None where none are."""
+    reach: float = params["soft_reach"]
+    return reach if params["soft_lines"] > 0 else None
+
+
 def _fdog_halo(params: Mapping[str, Any]) -> int:
-    return halo.fdog(params["sigma_m"], params["sigma_c"]) + _halo_after(params)
+    return halo.fdog(params["sigma_m"], params["sigma_c"], _soft_reach(params)) + _halo_after(params)
 
 
 def _halo_after(params: Mapping[str, Any]) -> int:
@@ -152,7 +158,7 @@ FDOG = Node(
     ),
     inputs=(IMAGE, FLOW, INK_MASK),
     outputs=(LINES, RESPONSE),
-    params=(FORM, SIGMA_M, *DIFFERENCE, *THRESHOLD, *XDOG, *ALONG_FLOW),
+    params=(FORM, SIGMA_M, *DIFFERENCE, *THRESHOLD, *XDOG, *SOFT, *ALONG_FLOW),
     run=run_fdog,
     region=within(_fdog_halo, "image", "flow", "mask"),
 )
@@ -177,8 +183,8 @@ def run_fdog_iterative(
 
 
 def _fdog_iterative_halo(params: Mapping[str, Any]) -> int:
-    passes = halo.fdog_iterative(params["sigma_m"], params["sigma_c"], params["iterations"], params["pre_blur"])
-    return passes + _halo_after(params)
+    lengths = params["sigma_m"], params["sigma_c"], params["iterations"], params["pre_blur"]
+    return halo.fdog_iterative(*lengths, _soft_reach(params)) + _halo_after(params)
 
 
 FDOG_ITERATIVE = Node(
@@ -213,6 +219,7 @@ FDOG_ITERATIVE = Node(
         *DIFFERENCE,
         *THRESHOLD,
         *XDOG,
+        *SOFT,
         *ALONG_FLOW,
     ),
     run=run_fdog_iterative,

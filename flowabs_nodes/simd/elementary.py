@@ -1,4 +1,4 @@
-"""Cube root, logarithm and powers of 2 of sixteen float32 at a time.
+"""Cube root, logarithm, powers of 2 and error function of sixteen float32 at a time.
 
 The polynomials are minimax fits over the ranges in the comments beside them. There are three powers of 2 because each
 digit costs time: :func:`exp2` for colours, :func:`exp2_of_negative` for the strength of lines, and :func:`exp2_weight`
@@ -9,7 +9,19 @@ from __future__ import annotations
 
 from flowabs_nodes.simd.avx512 import fraction, scale_by_exp2_floor
 from flowabs_nodes.simd.jit import inlined
-from flowabs_nodes.simd.lanes import Floats, bits_of, floor, from_bits, maximum, minimum, rint, to_floats, to_ints
+from flowabs_nodes.simd.lanes import (
+    Floats,
+    absolute,
+    bits_of,
+    floor,
+    from_bits,
+    maximum,
+    minimum,
+    rint,
+    select,
+    to_floats,
+    to_ints,
+)
 
 #: The logarithm of e to base 2: e^x = 2^(LOG2_E x).
 LOG2_E = 1.4426950408889634
@@ -80,3 +92,14 @@ def exp2_weight(x: Floats) -> Floats:
     p = p * t + 0.69300383
     p = p * t + 1.0000026
     return scale_by_exp2_floor(p, x)
+
+
+@inlined
+def erf(x: Floats) -> Floats:
+    """Return the error function of x within 5e-7 (Abramowitz and Stegun, 7.1.26)."""
+    size = minimum(absolute(x), 8.0)  # beyond, it is 1
+    t = 1.0 / (1.0 + 0.3275911 * size)
+    p = 1.421413741 + t * (-1.453152027 + t * 1.061405429)
+    p = t * (0.254829592 + t * (-0.284496736 + t * p))
+    value = 1.0 - p * exp2_of_negative(size * size * -LOG2_E)
+    return select(x < 0.0, -value, value)

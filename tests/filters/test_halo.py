@@ -11,6 +11,7 @@ from flowabs_nodes.filters import halo
 
 MIDDLE = 40
 SIZE = 2 * MIDDLE + 1
+EDGE = 50 * np.tanh((np.arange(SIZE)[:, None] - MIDDLE + 1) / 2)  # soft, along the level
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +52,13 @@ CASES = {
         halo.flow_blur(2.0) + halo.flow_blur(6.0),
         2,
     ),
+    "soft edges": (
+        lambda code: filters.fdog(
+            code[..., 0] / 50 + EDGE, level(SIZE, SIZE), 0.0, 1.0, soft_lines=1.0, soft_reach=4.0
+        ),
+        halo.flow_blur(2.0) + halo.blur(2.0),
+        1,
+    ),
     "fbl": (
         lambda code: filters.fbl(code, level(SIZE, SIZE), 2.0, 1000.0, 0.5, 1000.0, 1),  # the edge of 3 is below a bit
         halo.flow_blur(2.0),
@@ -84,5 +92,9 @@ def test_passes_add_up():
     assert (halo.evidence(3.0, 0.5), halo.evidence(3.0, 0)) == (27 + 1, 0)
     assert halo.rolling_guidance(2.0, 3) == 4 * 6
     assert halo.fdog_iterative(3.0, 1.0, 3, 1.0) == 3 * (3 + halo.fdog(3.0, 1.0))
+    assert halo.soft_edges(7.0) == 11 + (9 + 1) + (11 + 1)
+    assert halo.fdog(3.0, 1.0, 7.0) == 9 + 1 + halo.soft_edges(7.0)
+    assert halo.fdog_iterative(3.0, 1.0, 3, 1.0, 7.0) == 2 * (3 + halo.fdog(3.0, 1.0)) + halo.fdog(3.0, 1.0, 7.0)
+    assert halo.fdog_iterative(3.0, 20.0, 3, 1.0, 7.0) == halo.fdog_iterative(3.0, 20.0, 3, 1.0)  # which read farther
     assert halo.bilateral_oriented(2.0, 0.5, 5, "line") == halo.fbl(2.0, 0.5, 5)
     assert halo.bilateral_oriented(2.0, 0.5, 5, "arc") > halo.fbl(2.0, 0.5, 5)

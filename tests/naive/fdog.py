@@ -39,20 +39,27 @@ def fdog(
     sampling="bilinear",
     color_sign=False,
     evidence=0.0,
+    missing=0.0,
 ):
-    """Return H by eqs. 10 and 11 ("separable") or eq. 6 ("full"); of (H, W, 3) also with the responses of colour."""
+    """Return H by eqs. 10 and 11 ("separable") or eq. 6 ("full"); of (H, W, 3) also with the responses of colour.
+
+    ``missing``, a number or of the shape of the code, is added to the sums across the flow.
+    """
     if evidence > 0:
-        h = fdog(code, flow, sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign)
+        h = fdog(code, flow, sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign, missing=missing)
         return by_evidence(h, np.asarray(flow, np.float64), sigma_m, evidence)
     code, flow = np.asarray(code, np.float64), np.asarray(flow, np.float64)
     if code.ndim == 3:
-        d = [fdog(code[..., k], flow, sigma_m, sigma_c, rho, 0, kernel, sampling) for k in range(3)]
+        lack = np.broadcast_to(missing, code.shape)
+        d = [
+            fdog(code[..., k], flow, sigma_m, sigma_c, rho, 0, kernel, sampling, missing=lack[..., k]) for k in range(3)
+        ]
         if color_weight == 0:
             return d[0]
         return _joined(d[0], color_weight * d[1], color_weight * d[2], color_sign)
     f = taps(sigma_c, rho)
     if kernel == "separable":
-        return along(across(code, flow, f), flow, sigma_m, sampling)
+        return along(across(code, flow, f) + missing, flow, sigma_m, sampling)
     steps = int(np.ceil(3 * sigma_m))
     weights = gaussian(sigma_m, steps)
     total = weights[steps] * across(code, flow, f)
@@ -63,7 +70,7 @@ def fdog(
                 dx = np.clip(x + np.rint(dx), 0, code.shape[1] - 1) - x
                 dy = np.clip(y + np.rint(dy), 0, code.shape[0] - 1) - y
             total = total + weights[steps + way * s] * across(code, t, f, dx, dy)  # eq. 6
-    return total
+    return total + along(np.broadcast_to(missing, code.shape), flow, sigma_m, sampling)
 
 
 def _joined(d_l: Float64, m_a: Float64, m_b: Float64, color_sign: bool) -> Float64:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from numba import njit
+from scipy import special
 
 from flowabs_nodes.simd import elementary
 from flowabs_nodes.simd.lanes import LANES
@@ -56,3 +57,9 @@ def test_exp2_of_numbers_below_zero(power, error):
     np.testing.assert_allclose(_each(power, SMALL), 2.0 ** SMALL.astype(np.float64), rtol=error)
     powers = _each(power, np.array([-100.5, -1e5, -1e38, -np.inf], np.float32))
     assert ((powers >= 0) & (powers <= 1e-30)).all()  # too small to count
+
+
+def test_erf():
+    x = np.concatenate([np.linspace(-9, 9, 100_001), [0, 1e-30, -1e-30, 1e6, -1e6, 3e38, np.inf, -np.inf]])
+    x = x.astype(np.float32)
+    np.testing.assert_allclose(_each(elementary.erf, x), special.erf(x.astype(np.float64)), rtol=0, atol=5e-7)

@@ -147,6 +147,8 @@ def _along_bilinear(
                             turn(curves, k, tx, ty)
                     for k in range(0, 2 * span, LANES):
                         advance(curves, k, s, around, 1)
+                    if weights[s] == 0:
+                        continue
                     for c in range(channels):
                         for k in range(0, span, LANES):
                             one_way = _read(lattices[c * size :], curves, 2 * k)

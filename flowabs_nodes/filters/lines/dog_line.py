@@ -92,7 +92,7 @@ def _across(
                             n_end = min(n0 + _STEPS, steps + 1)
                             for n in range(n0, n_end):
                                 dx, dy = ty * np.float32(n), tx * np.float32(-n)
-                                _locate(dx, dy, x, y, around, entries, offsets, n - n0)
+                                locate_both_sides(dx, dy, x, y, around, entries, offsets, n - n0)
                             for n in range(n0, n_end):
                                 samples = _sample_both_sides(lattice, entries, offsets, n - n0)
                                 total = total + samples * taps[n]  # eq. 10
@@ -101,7 +101,7 @@ def _across(
 
 
 @inlined
-def _locate(dx: Any, dy: Any, x: int, y: int, tile: Tile, entries: Int32, offsets: Array, k: int) -> None:
+def locate_both_sides(dx: Any, dy: Any, x: int, y: int, tile: Tile, entries: Int32, offsets: Array, k: int) -> None:
     """Write where the points (dx, dy) and (-dx, -dy) from the pixels x .. x + 15 of row y are, as the k-th points."""
     left, top = floor(dx), floor(dy)
     store(offsets, 2 * LANES * k, dx - left)

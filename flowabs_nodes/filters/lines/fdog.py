@@ -14,6 +14,7 @@ from flowabs_nodes.filters import gaussian, validate
 from flowabs_nodes.filters.flow.flow_blur import along, as_planes
 from flowabs_nodes.filters.lines.dog_line import across
 from flowabs_nodes.filters.lines.evidence import by_evidence
+from flowabs_nodes.filters.lines.soft_edges import SoftEdges
 from flowabs_nodes.sampling.exact_sums import exact_sum
 from flowabs_nodes.simd.elementary import LOG2_E, exp2_of_negative
 from flowabs_nodes.simd.jit import inlined, kernel
@@ -40,6 +41,8 @@ def fdog(
     sampling: str = "bilinear",
     color_sign: bool = False,
     evidence: float = 0.0,
+    soft_lines: float = 0.0,
+    soft_reach: float = 7.0,
 ) -> Array:
     """Return the response H of the FDoG filter, eqs. 6-8, 10, 11: below 0 on dark lines and on the dark side of edges.
 
@@ -76,6 +79,12 @@ def fdog(
     evidence
         0 to 1: how much weaker H becomes where it is below 0 at places but not along a stretch three times as long
         (:mod:`~flowabs_nodes.filters.lines.evidence`). 0 leaves H as it is.
+    soft_lines
+        How far soft edges get the line of sharp ones, 0 to 1: what f lacks across an edge that is blurred, by the edge
+        model (:mod:`~flowabs_nodes.filters.lines.edge_model`), is added before the sum along the flow. 0 adds nothing.
+    soft_reach
+        The blur of the softest edges that get it, sigma in pixels, 1 to 10,000. Edges must be alone over about as many
+        pixels to either side. Counts with ``soft_lines``.
 
     Returns
     -------
@@ -90,7 +99,9 @@ def fdog(
     flow = validate.flow_field(flow, code.shape)
     detector = Detector.checked(sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign)
     evidence = validate.number("evidence", evidence, min=0, max=1)
-    response = detector.response(as_planes(code if color_weight > 0 or code.ndim == 2 else code[..., 0]), flow)
+    soft = SoftEdges.checked(soft_lines, soft_reach, sigma_c=sigma_c, rho=rho, color_weight=color_weight)
+    planes = as_planes(code if color_weight > 0 or code.ndim == 2 else code[..., 0])
+    response = detector.response(planes, flow, None if soft is None else soft.missing(planes, flow))
     return by_evidence(response, flow, sigma_m, evidence)
 
 
@@ -129,13 +140,21 @@ class Detector:
             color_sign=validate.flag("color_sign", color_sign),
         )
 
-    def response(self, planes: Array, flow: Array) -> Array:
-        """Return H, (H, W), of planes (C, H, W) of code values; without a weight for colour, of the first plane."""
+    def response(self, planes: Array, flow: Array, missing: Array | None = None) -> Array:
+        """Return H, (H, W), of planes (C, H, W) of code values; without a weight for colour, of the first plane.
+
+        ``missing``, (C, H, W), is added to the sums across the flow.
+        """
         planes = planes if self.color_weight > 0 else planes[:1]
         if self.full:
             responses = exact_sum(planes, flow, self.taps, self.weights, self.sampling)  # eq. 6
+            if missing is not None:
+                responses += along(missing, flow, self.weights, self.sampling)
         else:
-            responses = along(across(planes, flow, self.taps), flow, self.weights, self.sampling)  # eq. 11: of eq. 10
+            sums = across(planes, flow, self.taps)  # eq. 10
+            if missing is not None:
+                sums += missing
+            responses = along(sums, flow, self.weights, self.sampling)  # eq. 11
         if self.color_weight == 0:
             first: Array = responses[0]
             return first

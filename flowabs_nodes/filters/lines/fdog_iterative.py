@@ -12,6 +12,7 @@ from flowabs_nodes.filters.flow.flow_blur import as_planes
 from flowabs_nodes.filters.gaussian_blur import blur
 from flowabs_nodes.filters.lines.evidence import by_evidence
 from flowabs_nodes.filters.lines.fdog import Detector
+from flowabs_nodes.filters.lines.soft_edges import SoftEdges
 from flowabs_nodes.filters.lines.threshold import threshold
 from flowabs_nodes.filters.lines.xdog import xdog, xdog_rho
 from flowabs_nodes.simd.bands import over_rows
@@ -37,6 +38,8 @@ def fdog_iterative(
     phi: float = 0.01,
     color_sign: bool = False,
     evidence: float = 0.0,
+    soft_lines: float = 0.0,
+    soft_reach: float = 7.0,
 ) -> tuple[Array, Array]:
     """Draw lines by several passes of FDoG: each pass filters the original picture with the last pass's ink over it.
 
@@ -45,8 +48,9 @@ def fdog_iterative(
 
     Parameters
     ----------
-    code, flow, sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign
-        As the parameters of :func:`~flowabs_nodes.filters.fdog`.
+    code, flow, sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign, soft_lines, soft_reach
+        As the parameters of :func:`~flowabs_nodes.filters.fdog`. What soft edges lack is measured once, in the picture
+        without ink, and added in each pass.
     tau, contrast, softness
         As the parameters of :func:`~flowabs_nodes.filters.threshold`.
     iterations
@@ -77,7 +81,9 @@ def fdog_iterative(
     detector = Detector.checked(sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign)
     iterations = validate.whole("iterations", iterations, min=1)
     pre_blur = validate.number("pre_blur", pre_blur, min=0, max=10_000)
-
+    soft = SoftEdges.checked(
+        soft_lines, soft_reach, sigma_c=sigma_c, rho=rho, color_weight=color_weight, pre_blur=pre_blur
+    )
     evidence = 0.0 if is_xdog else validate.number("evidence", evidence, min=0, max=1)
 
     def draw(planes: Array, evidence: float = 0.0) -> tuple[Array, Array]:
@@ -87,12 +93,13 @@ def fdog_iterative(
             for plane, result in zip(planes, blurred, strict=True):
                 result[:] = blur(plane, pre_blur)
             planes = blurred
-        response = by_evidence(detector.response(planes, flow), flow, sigma_m, evidence)
+        response = by_evidence(detector.response(planes, flow, missing), flow, sigma_m, evidence)
         if is_xdog:
             return xdog(response, p, epsilon, phi)
         return threshold(response, tau, contrast, softness), response
 
     original = as_planes(code if color_weight > 0 or code.ndim == 2 else code[..., 0])
+    missing = None if soft is None else soft.missing(original, flow)
     picture = original
     for _ in range(iterations - 1):
         lines, _ = draw(picture)

@@ -1,0 +1,85 @@
+"""Soft outlines as one line of normal width: what FDoG's responses lack at blurred edges, made good."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flowabs_nodes.array_types import Array, Float64
+from flowabs_nodes.filters import gaussian, validate
+from flowabs_nodes.filters.flow.flow_blur import along
+from flowabs_nodes.filters.gaussian_blur import blur
+from flowabs_nodes.filters.lines.edge_model import EdgeModel, missing_response
+from flowabs_nodes.filters.lines.soft_reach import Lengths, lengths
+from flowabs_nodes.sampling.tile_cache import ROWS, PlanesShape, pad_width
+from flowabs_nodes.simd.bands import over_rows
+
+
+@dataclass(frozen=True)
+class SoftEdges:
+    """How soft outlines are drawn, with the parameters checked."""
+
+    lengths: Lengths
+    model: EdgeModel
+
+    @classmethod
+    def checked(
+        cls,
+        soft_lines: float,
+        soft_reach: float,
+        *,
+        sigma_c: float,
+        rho: float,
+        color_weight: float,
+        pre_blur: float = 0.0,
+    ) -> SoftEdges | None:
+        """Return how soft outlines are drawn, None where ``soft_lines`` is 0; raise ArgumentError for a bad parameter.
+
+        ``sigma_c``, ``rho``, ``color_weight`` and ``pre_blur`` are those of the line filter, checked already. An edge
+        shall look as a sharp one does after ``pre_blur``, or after a blur of sigma_c where that is less: whatever more
+        blur the filter gets against noise does not make its lines fainter.
+        """
+        amount = validate.number("soft_lines", soft_lines, min=0, max=1)
+        reach = validate.number("soft_reach", soft_reach, min=1, max=10_000)
+        if amount == 0:
+            return None
+        each = lengths(reach)
+        wanted = min(pre_blur, sigma_c)
+        numbers = (
+            each.t,
+            each.d,
+            each.e,
+            color_weight,
+            amount,
+            rho,
+            sigma_c**2,
+            (gaussian.SURROUND * sigma_c) ** 2,
+            pre_blur**2,
+            wanted**2,
+        )
+        return cls(each, EdgeModel(*map(np.float32, numbers)))
+
+    def missing(self, planes: Array, flow: Array) -> Array:
+        """Return what to add to the sums across the flow (eq. 10) of planes (C, H, W) of code values, (C, H, W)."""
+        return along(self._found(planes, flow), flow, _every_half_sigma(self.lengths.t), "bilinear")
+
+    def _found(self, planes: Array, flow: Array) -> Array:
+        """Return what is missing at each pixel for itself."""
+        height, width = planes.shape[1:]
+        blurred = np.empty_like(planes)
+        for plane, result in zip(planes, blurred, strict=True):
+            result[:] = blur(plane, self.lengths.t)
+        blurred, flow = pad_width(blurred, 2), pad_width(flow, 1)
+        found = np.empty_like(blurred)
+        pictures = blurred.reshape(-1), PlanesShape(*blurred.shape), flow.reshape(-1).view(np.complex64)
+        over_rows(missing_response, height, *pictures, self.model, found.reshape(-1), least=ROWS)
+        return np.ascontiguousarray(found[..., :width])
+
+
+def _every_half_sigma(sigma: float) -> Float64:
+    """Return one side of G(sigma) with weights at steps of sigma / 2 alone: of what is smooth these are enough."""
+    weights = gaussian.half(sigma)
+    weights[np.arange(weights.size) % max(1, round(sigma / 2)) > 0] = 0
+    both: Float64 = weights / (2 * weights.sum() - weights[0])
+    return both
