@@ -9,7 +9,9 @@ from __future__ import annotations
 import os
 import re
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
@@ -17,11 +19,12 @@ import numpy as np
 
 from flowabs_nodes import Image
 from flowabs_nodes.array_types import Array
-from flowabs_nodes.color import ocio
+from flowabs_nodes.color import ColorSpace, ocio
 from flowabs_nodes.errors import FlowabsError, ReadError
 from flowabs_nodes.io import alpha as alphas
 from flowabs_nodes.io import formats, nonfinite
 from flowabs_nodes.io.read import quiet, read_image
+from flowabs_nodes.io.settings import Settings
 
 from .color_names import settings_for, working_space
 
@@ -67,44 +70,163 @@ def image_of(
     ColorError
         Neither flowabs nor Blender's config knows the picture's colour space.
     """
+    return take(datablock, frame=frame, user=user).image(layer, note, warn)
+
+
+@dataclass(frozen=True)
+class Taken:
+    """What there is to know of an Image datablock, so that any thread can make an image of it.
+
+    Attributes
+    ----------
+    name
+        The datablock's name, for messages.
+    file
+        The file that holds just what the datablock shows; else one of the next two is there.
+    pixels
+        (H, W, C) float32 as Blender holds them, the lowest row first: of a float picture scene-linear and
+        premultiplied, else codes under straight alpha.
+    content
+        The bytes of a file that is packed into the .blend, and of which Blender shows no pixels.
+    space, settings
+        Blender's name of the colour space, and the settings under which flowabs knows it.
+    is_data, is_float, alpha_mode
+        As the datablock has them.
+    working
+        Blender's working space.
+    """
+
+    name: str
+    file: Path | None
+    pixels: Array | None
+    content: bytes | None
+    space: str
+    settings: Settings
+    is_data: bool
+    is_float: bool
+    alpha_mode: str
+    working: ColorSpace
+
+    def image(self, layer: str = "", note: Say = quiet, warn: Say = quiet) -> Image:
+        """Return the image; parameters and errors are those of :func:`image_of`."""
+        with _about(self.name):
+            if self.file is not None:
+                return self._read(self.file, layer, note, warn)
+            if self.pixels is not None:
+                return self._of_pixels(self.pixels, note)
+            assert self.content is not None
+            return self._unpacked(self.content, layer, note, warn)
+
+    def _read(self, file: Path, layer: str, note: Say, warn: Say) -> Image:
+        """Return the picture of a file, of the colours that Blender shows it in."""
+        alpha = self._alpha(file)
+        return read_image(
+            file, layer=layer, colorspace=self.space, alpha=alpha, settings=self.settings, note=note, warn=warn
+        )
+
+    def _alpha(self, file: Path) -> str:
+        """Return what alpha means, as ``read_image`` takes it: "auto" where Blender says what is usual there."""
+        format = formats.by_extension(file)
+        usual = "STRAIGHT" if format is not None and format.display_referred else "PREMUL"
+        if self.alpha_mode in _OPAQUE:
+            return "ignore"
+        return (
+            "auto" if self.alpha_mode == usual else {"STRAIGHT": "straight", "PREMUL": "premultiplied"}[self.alpha_mode]
+        )
+
+    def _unpacked(self, content: bytes, layer: str, note: Say, warn: Say) -> Image:
+        """Return the picture of a file in memory."""
+        format = formats.by_content(content[:16])
+        if format is None:
+            raise ReadError("the packed file is of no format that is read here", code="bad-format")
+        with tempfile.TemporaryDirectory(prefix="flowabs-") as folder:
+            file = Path(folder) / f"packed{format.extensions[0]}"
+            file.write_bytes(content)
+            return self._read(file, layer, note, warn)
+
+    def _of_pixels(self, pixels: Array, note: Say) -> Image:
+        """Return an image of Blender's pixels."""
+        pixels, repairs = nonfinite.repaired(np.ascontiguousarray(pixels[::-1]), "repair")
+        if repairs:
+            note(repairs)
+        alpha = pixels[..., -1] if pixels.shape[2] in (2, 4) and self.alpha_mode not in _OPAQUE else None
+        if alpha is not None and (not alpha.any() or (alpha == 1).all()):
+            alpha = None
+        rgb = pixels[..., :3] if pixels.shape[2] > 2 else np.repeat(pixels[..., :1], 3, axis=2)
+        space = self.working
+        if not (self.is_float or self.is_data):
+            rgb, space = ocio.linearize(rgb, self.space, self.settings.ocio)
+        if alpha is not None:
+            rgb = rgb if self.is_float else alphas.premultiplied(rgb, alpha)
+            rgb = np.concatenate([rgb, alpha[..., None]], axis=2)
+        return Image.from_array(rgb, space)
+
+
+def take(datablock: bpy.types.Image, *, frame: int | None = None, user: bpy.types.ImageUser | None = None) -> Taken:
+    """Take from Blender what an image is made of, quickly: files are read later. For the main thread alone.
+
+    Parameters and errors are those of :func:`image_of`.
+    """
     for kind in (datablock.type, datablock.source):
         if kind in _UNREADABLE:
             what, hint = _UNREADABLE[kind]
-            raise ReadError(f"{named(datablock)} is {what}", code="no-pixels", hint=hint)
-    try:
-        file = file_of(datablock, frame=frame, user=user)
-        if file is not None:
-            return _read(datablock, file, layer, note, warn)
-        pixels = _pixels(datablock)
-        if pixels is not None:
-            return _of_pixels(datablock, pixels, note)
-        if datablock.packed_file is not None:  # several layers, of which Blender shows none without an editor
-            return _unpacked(datablock, layer, note, warn)
+            raise ReadError(f"{named(datablock.name)} is {what}", code="no-pixels", hint=hint)
+    with _about(datablock.name):
         path = path_of(datablock, frame=frame, user=user)
-        if path is not None and not path.exists():
-            raise ReadError("no such file", code="missing-file", file=str(path))
-        raise ReadError("there are no pixels", code="no-pixels", file=str(path) if path is not None else None)
+        file = path if holds_what_is_shown(datablock, path) else None
+        pixels = _pixels(datablock) if file is None else None
+        packed = datablock.packed_file
+        if file is None and pixels is None and packed is None:  # of several packed layers Blender shows none by itself
+            if path is None:
+                raise ReadError("there are no pixels", code="no-pixels")
+            missing = not path.exists()
+            raise ReadError(
+                "no such file"
+                if missing
+                else "Blender finds no pixels in it, and it is of no format that is read here",
+                code="missing-file" if missing else "no-pixels",
+                file=str(path),
+            )
+        said = datablock.colorspace_settings
+        working = working_space()
+        space = working.name if said.name == "scene_linear" else said.name
+        return Taken(
+            name=datablock.name,
+            file=file,
+            pixels=pixels,
+            content=bytes(packed.data) if file is None and pixels is None else None,
+            space=space,
+            settings=settings_for(space),
+            is_data=said.is_data,
+            is_float=datablock.is_float,
+            alpha_mode=datablock.alpha_mode,
+            working=working,
+        )
+
+
+def named(name: str) -> str:
+    """Return what messages call a datablock."""
+    return f"image {name!r}"
+
+
+@contextmanager
+def _about(name: str) -> Iterator[None]:
+    """Have errors say which datablock they are about."""
+    try:
+        yield
     except FlowabsError as error:
-        error.message = f"{named(datablock)}: {error.message}"
+        error.message = f"{named(name)}: {error.message}"
         raise
 
 
-def named(datablock: bpy.types.Image) -> str:
-    """Return what messages call a datablock."""
-    return f"image {datablock.name!r}"
+def holds_what_is_shown(datablock: bpy.types.Image, path: Path | None) -> bool:
+    """Return whether a file is there, of a format that flowabs reads, and holds just what its datablock shows.
 
-
-def file_of(
-    datablock: bpy.types.Image, *, frame: int | None = None, user: bpy.types.ImageUser | None = None
-) -> Path | None:
-    """Return the file that holds just what a datablock shows, of a format that flowabs reads; None where none does.
-
-    None also of a picture that is packed into the .blend, or that was painted on since it was loaded.
+    It does not where the picture is packed into the .blend, or was painted on since it was loaded.
     """
-    path = path_of(datablock, frame=frame, user=user)
     if path is None or datablock.packed_file is not None or datablock.is_dirty:
-        return None
-    return path if path.is_file() and formats.by_extension(path) is not None else None
+        return False
+    return path.is_file() and formats.by_extension(path) is not None
 
 
 def path_of(
@@ -127,44 +249,6 @@ def _of_frame(name: str, frame: int) -> str:
     return re.sub(r"\d+(?=\D*$)", lambda digits: f"{frame:0{len(digits[0])}d}", stem) + extension
 
 
-def _read(datablock: bpy.types.Image, file: Path, layer: str, note: Say, warn: Say) -> Image:
-    """Return the picture of a file, of the colours that Blender shows it in."""
-    space = datablock.colorspace_settings.name
-    if space == "scene_linear":
-        space = working_space().name
-    return read_image(
-        file,
-        layer=layer,
-        colorspace=space,
-        alpha=_alpha(datablock, file),
-        settings=settings_for(space),
-        note=note,
-        warn=warn,
-    )
-
-
-def _alpha(datablock: bpy.types.Image, file: Path) -> str:
-    """Return what alpha means, as ``read_image`` takes it: "auto" where Blender says what is usual in such a file."""
-    format = formats.by_extension(file)
-    usual = "STRAIGHT" if format is not None and format.display_referred else "PREMUL"
-    said = datablock.alpha_mode
-    if said in _OPAQUE:
-        return "ignore"
-    return "auto" if said == usual else {"STRAIGHT": "straight", "PREMUL": "premultiplied"}[said]
-
-
-def _unpacked(datablock: bpy.types.Image, layer: str, note: Say, warn: Say) -> Image:
-    """Return the picture of a file that is packed into the .blend."""
-    content = datablock.packed_file.data
-    format = formats.by_content(content[:16])
-    if format is None:
-        raise ReadError("the packed file is of no format that is read here", code="bad-format")
-    with tempfile.TemporaryDirectory(prefix="flowabs-") as folder:
-        file = Path(folder) / f"packed{format.extensions[0]}"
-        file.write_bytes(content)
-        return _read(datablock, file, layer, note, warn)
-
-
 def _pixels(datablock: bpy.types.Image) -> Array | None:
     """Return the pixels as Blender holds them, (H, W, C) float32, the lowest row first; None where it holds none."""
     count = len(datablock.pixels)  # loads the file
@@ -174,23 +258,3 @@ def _pixels(datablock: bpy.types.Image) -> Array | None:
     pixels = np.empty(count, np.float32)
     datablock.pixels.foreach_get(pixels)
     return pixels.reshape(height, width, -1)
-
-
-def _of_pixels(datablock: bpy.types.Image, pixels: Array, note: Say) -> Image:
-    """Return an image of pixels: scene-linear and premultiplied in a float picture, else codes under straight alpha."""
-    pixels, repairs = nonfinite.repaired(np.ascontiguousarray(pixels[::-1]), "repair")
-    if repairs:
-        note(repairs)
-    alpha = pixels[..., -1] if pixels.shape[2] in (2, 4) and datablock.alpha_mode not in _OPAQUE else None
-    if alpha is not None and (not alpha.any() or (alpha == 1).all()):
-        alpha = None
-    rgb = pixels[..., :3] if pixels.shape[2] > 2 else np.repeat(pixels[..., :1], 3, axis=2)
-    said = datablock.colorspace_settings
-    if datablock.is_float or said.is_data:
-        space = working_space()
-    else:
-        rgb, space = ocio.linearize(rgb, said.name, settings_for(said.name).ocio)
-    if alpha is not None:
-        rgb = rgb if datablock.is_float else alphas.premultiplied(rgb, alpha)
-        rgb = np.concatenate([rgb, alpha[..., None]], axis=2)
-    return Image.from_array(rgb, space)

@@ -200,7 +200,7 @@ def test_alpha_modes(tmp_path: Path) -> None:
     [
         ("missing", "image 'x': no such file"),
         ("damaged", "image 'x': not an EXR file"),
-        ("unknown", "image 'x': there are no pixels"),
+        ("unknown", "image 'x': Blender finds no pixels in it"),
         ("tiled", r"image 'x' is a picture of several tiles"),
         ("render", "image 'Render Result' is a render result"),
         ("no picture", r"image 'x': .*(layer|colour|R, G, B)"),
