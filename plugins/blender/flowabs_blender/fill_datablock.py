@@ -7,17 +7,23 @@ import numpy as np
 
 from flowabs_nodes import Image
 from flowabs_nodes.array_types import Array
+from flowabs_nodes.color import ColorSpace
 from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.port_types import TYPES
 
 from .color_names import working_space, working_space_name
 
-#: The custom property of images that are ours to fill again.
+#: The custom property of images that are ours to fill again: the name of the picture that they were made of, or "".
 MARK = "flowabs_result"
 
+#: The bytes that a datablock's name may have in each version of Blender.
+LONGEST_NAME = 63
 
-def show(image: Image, name: str) -> bpy.types.Image:
+
+def show(image: Image, name: str, made_of: str = "") -> bpy.types.Image:
     """Return a datablock with an image's pixels: the one that was filled under this name before, else a new one.
+
+    ``made_of`` names the picture that the graph ran on.
 
     A picture of somebody else's that has the name keeps it, and the new one is called "name.001". The pixels are those
     of the display window, as a render's are. Colours are premultiplied, in the working space; a mono or matte is
@@ -26,16 +32,29 @@ def show(image: Image, name: str) -> bpy.types.Image:
 
     Raises FlowabsError for data of more than four channels.
     """
-    pixels = blender_pixels(image)
-    space = None if TYPES[image.type].shown else "Non-Color"
-    datablock = _datablock(name, image.display_window.width, image.display_window.height, space)
-    datablock.pixels.foreach_set(pixels)
+    return show_pixels(pixels_for(image, working_space()), TYPES[image.type].shown, name, made_of)
+
+
+def show_pixels(pixels: Array, are_colors: bool, name: str, made_of: str = "") -> bpy.types.Image:
+    """Return a datablock with pixels of :func:`pixels_for`, as :func:`show` does."""
+    height, width = pixels.shape[:2]
+    datablock = _datablock(name.encode()[:LONGEST_NAME].decode(errors="ignore"), width, height)
+    datablock[MARK] = made_of
+    space = working_space_name() if are_colors else "Non-Color"
+    if datablock.colorspace_settings.name != space:
+        datablock.colorspace_settings.name = space
+    datablock.pixels.foreach_set(pixels.reshape(-1))
     datablock.update()
     return datablock
 
 
-def blender_pixels(image: Image) -> Array:
-    """Return an image's pixels as Blender holds them: flat float32 R, G, B, A, the lowest row first.
+def plate_of(datablock: bpy.types.Image) -> bpy.types.Image | None:
+    """Return the picture that a result was made of, any other picture itself; None where it is not there any more."""
+    return bpy.data.images.get(datablock[MARK]) if datablock.get(MARK) else datablock
+
+
+def pixels_for(image: Image, working: ColorSpace) -> Array:
+    """Return an image's pixels as Blender holds them: (H, W, 4) float32 R, G, B, A, the lowest row first.
 
     Any thread may call this. Raises FlowabsError for data of more than four channels.
     """
@@ -43,8 +62,8 @@ def blender_pixels(image: Image) -> Array:
     height, width = image.pixels.shape[:2]
     pixels = np.empty((height, width, 4), np.float32)
     if TYPES[image.type].shown:
-        image.to_array(colorspace=working_space(), channels="RGBA", rows="bottom-up", out=pixels)
-        return pixels.reshape(-1)
+        image.to_array(colorspace=working, channels="RGBA", rows="bottom-up", out=pixels)
+        return pixels
     values = image.pixels[::-1]
     count = values.shape[2]
     if count > 4:
@@ -52,19 +71,15 @@ def blender_pixels(image: Image) -> Array:
     pixels[..., :3] = values if count == 1 else 0
     pixels[..., 3] = 1
     pixels[..., :count] = values
-    return pixels.reshape(-1)
+    return pixels
 
 
-def _datablock(name: str, width: int, height: int, space: str | None) -> bpy.types.Image:
-    """Return our datablock of this name, made or brought to this size; ``space`` None is the working space."""
+def _datablock(name: str, width: int, height: int) -> bpy.types.Image:
+    """Return our datablock of this name, made or brought to this size."""
     datablock = bpy.data.images.get(name)
     if datablock is None or MARK not in datablock or datablock.library is not None:
         datablock = bpy.data.images.new(name, width, height, alpha=True, float_buffer=True)
-        datablock[MARK] = True
         datablock.alpha_mode = "PREMUL"
     if tuple(datablock.size) != (width, height):
         datablock.scale(width, height)
-    wanted = working_space_name() if space is None else space
-    if datablock.colorspace_settings.name != wanted:
-        datablock.colorspace_settings.name = wanted
     return datablock
