@@ -18,6 +18,9 @@ _HINTS = {
     "no-write": "choose an output, or add a Write node",
 }
 
+#: What else may help in Blender, beside the hint.
+_MORE = {"no-layer": "a render has the passes that are on under View Layer Properties, Passes"}
+
 
 def message(error: FlowabsError) -> str:
     """Return an error as one line: of a graph the first problems, each with its node."""
@@ -26,7 +29,7 @@ def message(error: FlowabsError) -> str:
         more = f"; and {len(wrong) - MOST} more" if len(wrong) > MOST else ""
         return "the graph cannot run: " + "; ".join(map(_problem, wrong[:MOST])) + more
     hint = error.hint
-    error.hint = _HINTS.get(error.code, hint)
+    error.hint = "; ".join(filter(None, [_HINTS.get(error.code, hint), _MORE.get(error.code)]))
     try:
         return " ".join(str(error).split())
     finally:
