@@ -9,6 +9,7 @@ from typing import Any, Generic, TypeVar
 
 from flowabs_nodes.engine.error_boundary import error_boundary
 from flowabs_nodes.errors import Cancelled
+from flowabs_nodes.simd import compile_hooks
 from flowabs_nodes.stopping import StopFlag, Stopped, stopped_by
 
 Made = TypeVar("Made")
@@ -26,6 +27,8 @@ class Background(Generic[Made]):
         How much is done, 0 to 1.
     text
         What is at work, for the status bar.
+    compiling
+        Whether kernels had to be compiled, which can take a minute, once on a machine.
     notes
         What the work had to say: ("note", text) or ("warning", text).
     """
@@ -33,6 +36,7 @@ class Background(Generic[Made]):
     def __init__(self, work: Callable[[Background[Made]], Made]) -> None:
         self.progress = 0.0
         self.text = ""
+        self.compiling = False
         self.notes: list[tuple[str, str]] = []
         self._work = work
         self._flag = StopFlag()
@@ -43,6 +47,8 @@ class Background(Generic[Made]):
     def start(self) -> Background[Made]:
         """Begin, and return this."""
         _at_work.add(self)
+        if _tell_compiling not in compile_hooks.waiting:
+            compile_hooks.waiting.append(_tell_compiling)
         self._thread.start()
         return self
 
@@ -107,6 +113,12 @@ class Background(Generic[Made]):
         finally:
             del self._work  # which may hold large pictures
             _at_work.discard(self)
+
+
+def _tell_compiling() -> None:
+    """Let all that is at work know that kernels are compiled."""
+    for work in at_work():
+        work.compiling = True
 
 
 def at_work() -> tuple[Background[Any], ...]:

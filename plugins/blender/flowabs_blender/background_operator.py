@@ -38,8 +38,9 @@ class Attended:
     @property
     def status(self) -> str:
         """Return what the status bar says."""
-        at_work = f", {self.work.text}" if self.work.text else ""
-        return f"{self._title}: {self.work.progress:.0%}{at_work}   (Esc cancels)"
+        compiling = "filters are compiled, once on this machine" if self.work.compiling else ""
+        said = ", ".join(filter(None, [f"{self.work.progress:.0%}", self.work.text, compiling]))
+        return f"{self._title}: {said}   (Esc cancels)"
 
 
 class InBackground:

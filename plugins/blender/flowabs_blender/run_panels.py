@@ -24,7 +24,9 @@ def draw_run(layout: Any, context: bpy.types.Context) -> None:
     layout.prop(said, "output", icon="NODE")
     row = layout.row(align=True)
     on = preview.preview_of(tree)
-    row.operator("flowabs.preview", depress=on is not None, icon="HIDE_OFF" if on is not None else "HIDE_ON")
+    row.operator(
+        "flowabs.preview", text="Preview", depress=on is not None, icon="HIDE_OFF" if on is not None else "HIDE_ON"
+    )
     row.prop(said, "scale", text="")
     if on is not None:
         _draw_state(layout, on)
@@ -40,8 +42,8 @@ def _draw_state(layout: Any, on: preview.Preview) -> None:
         column = layout.column(align=True)
         for number, line in enumerate(wrapped(on.problem)):
             column.label(text=line, icon="BLANK1" if number else "ERROR")
-    elif on.seconds:
-        layout.label(text=f"{on.seconds * 1000:.0f} ms", icon="TIME")
+    else:
+        layout.label(text=f"{on.seconds * 1000:.0f} ms" if on.seconds else "Computing", icon="TIME")
 
 
 def draw_sequence(layout: Any, context: bpy.types.Context) -> None:

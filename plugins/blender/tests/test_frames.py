@@ -17,6 +17,7 @@ from pictures import picture, write
 import flowabs_nodes as fa
 from flowabs_nodes.errors import CommandError
 from flowabs_nodes.io.read import read_image
+from flowabs_nodes.simd import compile_hooks
 from graphs import small
 
 
@@ -165,6 +166,15 @@ def test_what_a_background_tells() -> None:
     assert one.wait(10)
     assert one.result() == 7
     assert not background.at_work()
+
+
+def test_the_status_says_when_filters_are_compiled() -> None:
+    go_on = threading.Event()
+    work = Background(lambda own: go_on.wait(10)).start()
+    compile_hooks.tell()
+    assert Attended(work, "Run").status == "Run: 0%, filters are compiled, once on this machine   (Esc cancels)"
+    go_on.set()
+    work.wait()
 
 
 def test_what_goes_wrong_comes_out() -> None:
