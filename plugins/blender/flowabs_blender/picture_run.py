@@ -16,7 +16,7 @@ from flowabs_nodes.io.write import build_picture, save
 from .background import Background
 from .outputs import main_outputs, writer_of
 from .plates import with_picture
-from .read_datablock import Taken
+from .taken import Taken
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from flowabs_nodes.engine.plan import file_role
 from flowabs_nodes.errors import CommandError
 from flowabs_nodes.graph.model import Graph
 
-from .read_datablock import Taken
+from .taken import Taken
 
 
 def plate_of(graph: Graph) -> str:

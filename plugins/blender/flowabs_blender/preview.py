@@ -17,7 +17,8 @@ from .color_names import working_space
 from .knobs import is_ours
 from .messages import message
 from .preview_worker import PreviewWorker, Shown, Wish
-from .read_datablock import Taken, take
+from .read_datablock import take
+from .taken import Taken
 from .tree_json import graph_of
 
 QUICK, SLOW = 0.01, 0.1  # seconds between two looks while something happens, and while nothing does

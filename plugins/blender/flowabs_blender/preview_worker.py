@@ -17,7 +17,7 @@ from flowabs_nodes.port_types import TYPES
 from .fill_datablock import pixels_for
 from .outputs import main_outputs
 from .plates import layer_of, plate_of, with_picture
-from .read_datablock import Taken
+from .taken import Taken
 
 #: Seconds without a new picture after which a run is no longer given up for a newer wish: else a slider that never
 #: rests would show nothing.

@@ -1,4 +1,4 @@
-"""Saves Blender's last render with all its passes, since Blender gives nobody its pixels."""
+"""Takes Blender's last render with all its passes, by saving it: Blender gives nobody its pixels."""
 
 from __future__ import annotations
 
@@ -9,6 +9,9 @@ from pathlib import Path
 import bpy
 
 from flowabs_nodes.errors import ReadError
+
+from .color_names import settings_for, working_space
+from .taken import Taken
 
 #: How a render is saved so that nothing of it is lost, and fast.
 _SETTINGS = {
@@ -21,6 +24,26 @@ _SETTINGS = {
     "views_format": "MULTIVIEW",
     "color_management": "FOLLOW_SCENE",
 }
+
+
+def take_last_render(scene: bpy.types.Scene) -> Taken:
+    """Take the last render, saved where Blender's own temporary files are. For the main thread alone.
+
+    Raises ReadError where nothing was rendered yet.
+    """
+    working = working_space()
+    return Taken(
+        name="Render Result",
+        file=save_last_render(scene, Path(bpy.app.tempdir) / "flowabs_render.exr"),
+        pixels=None,
+        content=None,
+        space=working.name,
+        settings=settings_for(working.name),
+        is_data=False,
+        is_float=True,
+        alpha_mode="PREMUL",
+        working=working,
+    )
 
 
 def save_last_render(scene: bpy.types.Scene, file: Path) -> Path:

@@ -20,7 +20,7 @@ from .messages import message
 from .node_operators import shown_tree
 from .picture_run import PictureRun
 from .read_datablock import take
-from .render_result import save_last_render
+from .render_result import take_last_render
 from .sequence_run import SequenceRun
 from .tree_json import graph_of
 
@@ -149,7 +149,7 @@ class FLOWABS_OT_run_on_render(RunsGraph, bpy.types.Operator):
         output = self.chosen_output(tree)
         return PictureRun(
             graph=graph_of(tree),
-            picture=save_last_render(context.scene, Path(bpy.app.tempdir) / "flowabs_render.exr"),
+            picture=take_last_render(context.scene),
             outputs=(output,) if output else (),
             frame=context.scene.frame_current,
             file=Path(bpy.path.abspath(self.file)) if self.file else None,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -19,8 +20,11 @@ from .background import Background
 from .knobs import is_ours
 from .outputs import main_outputs
 from .picture_run import PictureRun
-from .read_datablock import Taken, take
+from .read_datablock import take
+from .taken import Taken
 from .tree_json import graph_of
+
+log = logging.getLogger("flowabs")
 
 
 def run(
@@ -63,6 +67,8 @@ def run(
     -------
     The datablock of the result, or a dict of them by output where several were asked for, or are written.
 
+    Notes and warnings go to the logger "flowabs".
+
     Raises
     ------
     FlowabsError
@@ -82,6 +88,8 @@ def run(
     )
     work = Background(chosen).start()
     work.wait()
+    for level, text in work.notes:
+        log.log(logging.WARNING if level == "warning" else logging.INFO, "%s", text)
     made_of = picture.name if isinstance(picture, Taken) else ""
     shown = {
         output: fill_datablock.show(

@@ -42,8 +42,8 @@ def test_a_picture_without_pixels(scene_tree: Any) -> None:
     empty = bpy.data.images.new("empty", 4, 4)
     empty.source = "FILE"
     refused("empty", r"Error: image 'empty': there are no pixels", tree)
-    rendered()
-    refused("Render Result", r"image 'Render Result' is a render result.*\(save it as an OpenEXR file\)", tree)
+    bpy.data.images.new("tiles", 4, 4, tiled=True)
+    refused("tiles", r"image 'tiles' is a picture of several tiles \(UDIM\) \(run the graph on the file of", tree)
 
 
 def test_no_picture_and_no_graph(scene_tree: Any) -> None:

@@ -145,6 +145,12 @@ def test_alpha_modes(tmp_path: Path) -> None:
     np.testing.assert_allclose(image_of(datablock).pixels[..., :3], pixels[..., :3] * pixels[..., 3:], rtol=1e-6)
 
 
+def test_the_last_render() -> None:
+    image = image_of(rendered())
+    assert (image.type, image.pixels.shape) == ("color", (8, 8, 4))
+    assert (image.pixels[..., 3] == 1).all()
+
+
 @pytest.mark.parametrize(
     ("kind", "said"),
     [
@@ -152,15 +158,12 @@ def test_alpha_modes(tmp_path: Path) -> None:
         ("damaged", "image 'x': not an EXR file"),
         ("unknown", "image 'x': Blender finds no pixels in it"),
         ("tiled", r"image 'x' is a picture of several tiles"),
-        ("render", "image 'Render Result' is a render result"),
         ("no picture", r"image 'x': .*(layer|colour|R, G, B)"),
     ],
 )
 def test_pictures_without_pixels(kind: str, said: str, tmp_path: Path) -> None:
     if kind == "tiled":
         datablock = bpy.data.images.new("x", 4, 4, tiled=True)
-    elif kind == "render":
-        datablock = rendered()
     else:
         datablock = bpy.data.images.new("x", 4, 4)
         datablock.source = "FILE"

@@ -150,6 +150,8 @@ def test_the_last_render(tree_of: Any) -> None:
     assert depth.shape == (8, 8, 4)
     assert (depth[..., 0] == np.float32(1e10)).all()  # nothing but background
     assert bpy.context.scene.render.image_settings.file_format == before
+    again = flowabs_blender.run("small", "Render Result", outputs="depth")
+    np.testing.assert_array_equal(held(again), depth)
 
 
 def test_names_that_are_wrong(plate: Path) -> None:
