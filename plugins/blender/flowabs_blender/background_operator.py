@@ -18,6 +18,9 @@ from .messages import message
 
 STEP = 0.05  # seconds between two looks at the work
 
+#: The window timers of operators that look after work.
+_timers: list[bpy.types.Timer] = []
+
 
 class Attended:
     """Looks after work on behalf of an operator: what to show, and when it is over."""
@@ -63,12 +66,15 @@ class InBackground:
         return self._ended(context, work)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Begin the work, and look after it while Blender goes on."""
+        """Begin the work, and look after it while Blender goes on; without a window wait for its end."""
+        if bpy.app.background:
+            return self.execute(context)
         work = self._begun(context)
         if work is None:
             return {"CANCELLED"}
         self._attended = Attended(work, self.bl_label)
         self._timer = context.window_manager.event_timer_add(STEP, window=context.window)
+        _timers.append(self._timer)
         context.window_manager.modal_handler_add(self)
         self._tell(context, self._attended.status)
         return {"RUNNING_MODAL"}
@@ -111,7 +117,9 @@ class InBackground:
         return {"FINISHED"}
 
     def _leave(self, context: bpy.types.Context) -> None:
-        context.window_manager.event_timer_remove(self._timer)
+        if self._timer in _timers:
+            _timers.remove(self._timer)
+            context.window_manager.event_timer_remove(self._timer)
         self._tell(context, None)
 
     def _tell(self, context: bpy.types.Context, text: str | None) -> None:
@@ -121,6 +129,14 @@ class InBackground:
         for area in context.screen.areas if context.screen is not None else ():
             if area.type in ("NODE_EDITOR", "IMAGE_EDITOR"):
                 area.tag_redraw()
+
+
+def remove_timers() -> None:
+    """Take away what operators have put into windows: Blender forgets an operator at work whose class goes."""
+    while _timers:
+        bpy.context.window_manager.event_timer_remove(_timers.pop())
+    for workspace in bpy.data.workspaces:
+        workspace.status_text_set(None)
 
 
 class FLOWABS_OT_cancel(bpy.types.Operator):

@@ -6,18 +6,24 @@ from collections.abc import Iterator
 
 import bpy
 
+from .fill_datablock import MARK
 
-def show(context: bpy.types.Context, datablock: bpy.types.Image) -> bpy.types.SpaceImageEditor | None:
-    """Show a picture in the editor that an operator was called from, else in the first that shows no render.
 
-    Returns the editor; None where there is none.
+def show(
+    context: bpy.types.Context, result: bpy.types.Image, plate: bpy.types.Image | None = None
+) -> bpy.types.SpaceImageEditor | None:
+    """Show a result in the editor that an operator was called from, else in one that shows its plate, or is free.
+
+    An editor is free that shows nothing, or another result. Returns the editor; None where there is none.
     """
     space = context.space_data
     if space is None or space.type != "IMAGE_EDITOR":
-        free = (each for _, each in _open() if each.image is None or each.image.type != "RENDER_RESULT")
-        space = next(free, None)
+        spaces = [space for _, space in _open()]
+        shows_plate = (each for each in spaces if plate is not None and each.image == plate)
+        free = (each for each in spaces if each.image is None or MARK in each.image)
+        space = next(shows_plate, None) or next(free, None)
     if space is not None:
-        space.image = datablock
+        space.image = result
     return space
 
 

@@ -76,7 +76,8 @@ class Preview:
         made_of = plate.name if plate is not None else ""
         datablock = fill_datablock.show_pixels(shown.pixels, shown.are_colors, preview_name(tree), made_of)
         if not self._is_shown:
-            image_editors.exchange(plate, datablock)
+            if not image_editors.exchange(plate, datablock):
+                image_editors.show(bpy.context, datablock)
             self._is_shown = True
         image_editors.refresh(datablock)
 

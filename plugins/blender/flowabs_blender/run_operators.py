@@ -22,6 +22,7 @@ from .picture_run import PictureRun
 from .read_datablock import take
 from .render_result import take_last_render
 from .sequence_run import SequenceRun
+from .taken import Taken
 from .tree_json import graph_of
 
 MOST_FAILURES = 3  # that are reported each
@@ -55,16 +56,35 @@ class RunsGraph(InBackground):
         """Return the output that is chosen; "" for all that the graph writes."""
         return self.output or tree.run_settings.output
 
-    def show(self, context: bpy.types.Context, made: dict[str, Image], made_of: str) -> None:
+
+class RunsOnPicture(RunsGraph):
+    """Runs a graph on one picture; mixed into operators."""
+
+    file: bpy.props.StringProperty(name="File", description="An EXR to write; empty: none", subtype="FILE_PATH")
+
+    def on_picture(
+        self, context: bpy.types.Context, tree: bpy.types.NodeTree, picture: Taken, scale: float = 1.0
+    ) -> PictureRun:
+        """Return the work on a picture."""
+        output = self.chosen_output(tree)
+        self._made_of = picture.name
+        return PictureRun(
+            graph=graph_of(tree),
+            picture=picture,
+            outputs=(output,) if output else (),
+            frame=context.scene.frame_current,
+            scale=scale,
+            file=Path(bpy.path.abspath(self.file)) if self.file else None,
+        )
+
+    def finish(self, context: bpy.types.Context, made: dict[str, Image]) -> None:
         """Put images into datablocks, and the first one into the Image Editor."""
-        shown = [
-            fill_datablock.show(image, f"{self._name} {output}", made_of=made_of) for output, image in made.items()
-        ]
-        image_editors.show(context, shown[0])
+        shown = [fill_datablock.show(image, f"{self._name} {output}", self._made_of) for output, image in made.items()]
+        image_editors.show(context, shown[0], bpy.data.images.get(self._made_of))
         self.report({"INFO"}, f"made {', '.join(each.name for each in shown)}")
 
 
-class FLOWABS_OT_run(RunsGraph, bpy.types.Operator):
+class FLOWABS_OT_run(RunsOnPicture, bpy.types.Operator):
     """Run the graph on a picture"""
 
     bl_idname = "flowabs.run"
@@ -73,27 +93,13 @@ class FLOWABS_OT_run(RunsGraph, bpy.types.Operator):
     image: bpy.props.StringProperty(
         name="Picture", description="The Image to run on; empty: the one in the Image Editor, or chosen in the sidebar"
     )
-    file: bpy.props.StringProperty(name="File", description="An EXR to write; empty: none", subtype="FILE_PATH")
     scale: bpy.props.FloatProperty(name="Scale", description="A smaller picture", default=1, min=0.01, max=1)
 
     def prepare(self, context: bpy.types.Context) -> Callable[[Background[Any]], Any]:
         """Take the picture and the graph as they are now."""
         tree = self.chosen_tree(context)
         datablock, user = self._chosen_picture(context, tree)
-        self._made_of = datablock.name
-        output = self.chosen_output(tree)
-        return PictureRun(
-            graph=graph_of(tree),
-            picture=take(datablock, user=user),
-            outputs=(output,) if output else (),
-            frame=context.scene.frame_current,
-            scale=self.scale,
-            file=Path(bpy.path.abspath(self.file)) if self.file else None,
-        )
-
-    def finish(self, context: bpy.types.Context, made: dict[str, Image]) -> None:
-        """Show the result."""
-        self.show(context, made, self._made_of)
+        return self.on_picture(context, tree, take(datablock, user=user), self.scale)
 
     def _chosen_picture(
         self, context: bpy.types.Context, tree: bpy.types.NodeTree
@@ -131,33 +137,21 @@ class FLOWABS_OT_run_to_file(RunsGraph, bpy.types.Operator, ExportHelper):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Run, in the background where there is a window."""
-        how = "EXEC_DEFAULT" if bpy.app.background else "INVOKE_DEFAULT"
-        return bpy.ops.flowabs.run(how, tree=self.tree, output=self.output, image=self.image, file=self.filepath)
+        return bpy.ops.flowabs.run(
+            "INVOKE_DEFAULT", tree=self.tree, output=self.output, image=self.image, file=self.filepath
+        )
 
 
-class FLOWABS_OT_run_on_render(RunsGraph, bpy.types.Operator):
+class FLOWABS_OT_run_on_render(RunsOnPicture, bpy.types.Operator):
     """Run the graph on the last render: nodes that read passes, and have no file, read those of the render"""
 
     bl_idname = "flowabs.run_on_render"
     bl_label = "Run on last render"
 
-    file: bpy.props.StringProperty(name="File", description="An EXR to write; empty: none", subtype="FILE_PATH")
-
     def prepare(self, context: bpy.types.Context) -> Callable[[Background[Any]], Any]:
         """Save the render, and take the graph as it is now."""
         tree = self.chosen_tree(context)
-        output = self.chosen_output(tree)
-        return PictureRun(
-            graph=graph_of(tree),
-            picture=take_last_render(context.scene),
-            outputs=(output,) if output else (),
-            frame=context.scene.frame_current,
-            file=Path(bpy.path.abspath(self.file)) if self.file else None,
-        )
-
-    def finish(self, context: bpy.types.Context, made: dict[str, Image]) -> None:
-        """Show the result."""
-        self.show(context, made, "")
+        return self.on_picture(context, tree, take_last_render(context.scene))
 
 
 class FLOWABS_OT_run_sequence(RunsGraph, bpy.types.Operator):

@@ -6,7 +6,7 @@ from typing import Any
 
 import bpy
 
-from . import background, preview
+from . import background, background_operator, preview
 
 
 @bpy.app.handlers.persistent
@@ -26,3 +26,4 @@ def unregister() -> None:
     if end_work in bpy.app.handlers.load_pre:
         bpy.app.handlers.load_pre.remove(end_work)
     end_work()
+    background_operator.remove_timers()
