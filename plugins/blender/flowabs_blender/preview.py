@@ -49,9 +49,14 @@ class Preview:
         self._taken: tuple[Any, Taken] | None = None
 
     @property
+    def settled(self) -> bool:
+        """Return whether all that was asked for is shown."""
+        return not self._worker.busy
+
+    @property
     def resting(self) -> bool:
         """Return whether nothing has happened for a while."""
-        return not self._worker.busy and time.monotonic() - self.moved > RESTING
+        return self.settled and time.monotonic() - self.moved > RESTING
 
     def look(self, tree: bpy.types.NodeTree) -> None:
         """Show what was made since the last look, and ask for what has changed since. For the main thread alone."""

@@ -50,7 +50,9 @@ def draw_sequence(layout: Any, context: bpy.types.Context) -> None:
     """Draw what runs over rendered frames."""
     said = shown_tree(context).run_settings
     for name in ("frames_in", "frames_out", "frame_range", "existing"):
-        layout.prop(said, name)
+        row = layout.split(factor=0.3)
+        row.label(text=said.bl_rna.properties[name].name)
+        row.prop(said, name, text="")
     layout.operator("flowabs.run_sequence", icon="RENDER_ANIMATION")
 
 

@@ -42,7 +42,7 @@ def until(done: Callable[[], bool], seconds: float = 60.0) -> None:
 def settled(tree: Any) -> np.ndarray:
     """Return the pixels of the preview once it shows all changes."""
     preview.tick()
-    until(lambda: not preview.preview_of(tree)._worker.busy)
+    until(lambda: preview.preview_of(tree).settled)
     return held(bpy.data.images["abstraction preview"])
 
 
