@@ -90,9 +90,9 @@ class Background(Generic[Made]):
                 self.text = f"{event['frames']} frames"
             case "node" if event["status"] == "started":
                 self.text = f"frame {event['frame']}: {event['node']}"
-            case "note" | "shared-note":
-                where = event["node"] or (f"frames {event['frames']}" if "frames" in event else "")
-                self.notes.append((event["level"], f"{where}: {event['text']}" if where else event["text"]))
+            case "note":
+                text = f"{event['node']}: {event['text']}" if event["node"] else event["text"]
+                self.notes.append((event["level"], text))
         if "percent" in event:
             self.progress = event["percent"] / 100
         elif "progress" in event:

@@ -125,6 +125,8 @@ class PreviewWorker:
             session = Session(graph, on_event=lambda event: None)
             with self._changed:
                 self._session = session
+                if self._closed:
+                    raise Cancelled("closed")
         session.exchange(graph)
         session.given(given)
         made = session.run(output, wish.frame, wish.scale)[output]

@@ -79,16 +79,7 @@ def take(datablock: bpy.types.Image, *, frame: int | None = None, user: bpy.type
         pixels = _pixels(datablock) if file is None else None
         packed = datablock.packed_file
         if file is None and pixels is None and packed is None:  # of several packed layers Blender shows none by itself
-            if path is None:
-                raise ReadError("there are no pixels", code="no-pixels")
-            missing = not path.exists()
-            raise ReadError(
-                "no such file"
-                if missing
-                else "Blender finds no pixels in it, and it is of no format that is read here",
-                code="missing-file" if missing else "no-pixels",
-                file=str(path),
-            )
+            raise _nothing_there(path)
         said = datablock.colorspace_settings
         working = working_space()
         space = working.name if said.name == "scene_linear" else said.name
@@ -104,6 +95,16 @@ def take(datablock: bpy.types.Image, *, frame: int | None = None, user: bpy.type
             alpha_mode=datablock.alpha_mode,
             working=working,
         )
+
+
+def _nothing_there(path: Path | None) -> ReadError:
+    """Return the error of a datablock without pixels."""
+    if path is None:
+        return ReadError("there are no pixels", code="no-pixels")
+    if not path.exists():
+        return ReadError("no such file", code="missing-file", file=str(path))
+    what = "Blender finds no pixels in it, and it is of no format that is read here"
+    return ReadError(what, code="no-pixels", file=str(path))
 
 
 def holds_what_is_shown(datablock: bpy.types.Image, path: Path | None) -> bool:
