@@ -9,11 +9,12 @@ from __future__ import annotations
 import atexit
 import gc
 import os
+import signal
 import sys
 import threading
 from collections.abc import Sequence
 from contextlib import suppress
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import click
 
@@ -43,7 +44,19 @@ def _show_version(context: click.Context, option: click.Parameter, value: bool) 
         context.exit()
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+class _Commands(click.Group):
+    """The commands; one that a signal has stopped returns its exit code."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        try:
+            return super().invoke(ctx)
+        except stopping.Stopped as stopped:  # click would print an empty line, into a log or a host's messages too
+            if sys.stderr.isatty():
+                print(file=sys.stderr)  # after the ^C that the terminal shows
+            return stopped.exit_code
+
+
+@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.option(
     "--version",
     is_flag=True,
@@ -87,9 +100,8 @@ def _exit_code(arguments: Sequence[str]) -> int:
         return code if isinstance(code, int) else 0
     except stopping.Stopped as stopped:
         return stopped.exit_code
-    except click.Abort as abort:  # what click makes of Stopped
-        cause = abort.__cause__
-        return cause.exit_code if isinstance(cause, stopping.Stopped) else 130
+    except click.Abort:  # what click makes of Ctrl-C where nobody listens to signals
+        return 128 + signal.SIGINT
     except click.ClickException as error:
         error.show()
         return 2

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from flowabs_nodes.errors import FlowabsError
+from flowabs_nodes.forks import IMPORTING
 
 #: What pip installs OpenCV with.
 EXTRA = "flowabs-nodes[compare]"
@@ -13,7 +14,8 @@ EXTRA = "flowabs-nodes[compare]"
 def opencv(what: str) -> Any:
     """Return the module ``cv2``; raise FlowabsError if it is not installed, naming ``what`` needs it."""
     try:
-        import cv2
+        with IMPORTING:
+            import cv2
     except ImportError as error:
         found = "which is not installed" if error.name == "cv2" else f"which cannot be imported: {error}"
         raise FlowabsError(

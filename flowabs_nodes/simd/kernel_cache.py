@@ -20,6 +20,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy.ma  # noqa: F401 - numba asks for it at a kernel's first call, and a fork must not fall into an import
 from numba import config, njit
 
 from flowabs_nodes import forks, stopping

@@ -11,7 +11,7 @@ from contextlib import suppress
 import pytest
 
 import flowabs_nodes
-from flowabs_nodes.engine import dask_cluster, dask_worker
+from flowabs_nodes.engine import dask_cluster, dask_connection, dask_worker
 from flowabs_nodes.engine.dask_worker import Place
 from flowabs_nodes.engine.job_builder import build_job
 from flowabs_nodes.engine.options import RunOptions
@@ -77,7 +77,7 @@ class TestWithDask:
         pytest.importorskip("distributed", reason="the extra dask is not installed")
 
     def test_a_scheduler_that_does_not_answer_is_named_and_nothing_is_made(self, shot, out, monkeypatch):
-        monkeypatch.setattr(dask_cluster, "CONNECT", 1.0)
+        monkeypatch.setattr(dask_connection, "CONNECT", 1.0)
         begun = time.monotonic()
         with pytest.raises(CommandError, match=r"tcp://127.0.0.1:9: no scheduler of Dask answers within 1 s") as caught:
             run(shot, out, scheduler="tcp://127.0.0.1:9")
@@ -87,7 +87,7 @@ class TestWithDask:
 
     @pytest.mark.parametrize("answer", [b"HTTP/1.1 400 Bad Request\r\n\r\n", b""])
     def test_whoever_else_answers_is_no_scheduler(self, shot, out, monkeypatch, answer):
-        monkeypatch.setattr(dask_cluster, "CONNECT", 1.0)
+        monkeypatch.setattr(dask_connection, "CONNECT", 1.0)
         with socket.create_server(("127.0.0.1", 0)) as server:
             taken = []
 
@@ -122,7 +122,7 @@ class TestWithDask:
         ]
 
     def test_a_scheduler_without_workers_is_told(self, shot, out, farm, monkeypatch):
-        monkeypatch.setattr(dask_cluster, "CONNECT", 1.0)
+        monkeypatch.setattr(dask_connection, "CONNECT", 1.0)
         with pytest.raises(CommandError, match="the scheduler has no workers") as caught:
             run(shot, out, scheduler=farm.address)
         assert caught.value.code == "no-worker"

@@ -77,3 +77,8 @@ def test_a_child_of_a_fork_filters_too(tmp_path, meanwhile):
     environment = {**os.environ, "PYTHONPATH": str(CHECKOUT), **kernels}
     program = [sys.executable, "-W", "ignore", "-c", BEGIN + MEANWHILE[meanwhile] + FORK]
     assert subprocess.run(program, env=environment, timeout=150, check=False).returncode == 0
+
+
+def test_what_numba_imports_without_its_lock_is_there_before_the_first_call():
+    program = "import sys; from flowabs_nodes import filters; filters.dog; sys.exit('numpy.ma' not in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", program], timeout=150, check=False).returncode == 0
