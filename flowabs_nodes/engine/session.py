@@ -76,8 +76,7 @@ class Session:
         self._values: dict[str, Any] = {}
         self._given: dict[str, Image | dict[int, Image]] = {}
         self._threads, self._settings, self._on_event = threads, settings or Settings(), on_event
-        types = {name: node.declaration.type for name, node in self._loaded.nodes.items()}
-        self._cache = SessionCache(cache_bytes, types)
+        self._cache = SessionCache(cache_bytes)
         self._changing = threading.Lock()
         self._calls: set[StoppableCall[dict[str, Image]]] = set()
         self._closed = False
@@ -113,6 +112,23 @@ class Session:
         """Set these knobs and parameters back to what the graph says; all of them without names."""
         with self._changing:
             self._set({name: value for name, value in self._values.items() if names and name not in names})
+
+    def exchange(self, graph: GraphSource) -> None:
+        """Have another graph in place of this one, such as the same one after an edit.
+
+        What both compute in the same way is not computed again. All that was set is forgotten; pictures that were given
+        stay under the names that the new graph has.
+
+        Raises
+        ------
+        GraphError, CommandError
+            As the constructor; the session keeps its graph then.
+        """
+        loaded = load_graph(graph)
+        with self._changing:
+            self._loaded = self._graph = loaded
+            self._values = {}
+            self._given = {name: what for name, what in self._given.items() if _has_output(loaded, name)}
 
     def _set(self, values: dict[str, Any]) -> None:
         """Have just these values set."""
@@ -211,7 +227,7 @@ class Session:
         with self._changing:
             self._closed = True
             self._given.clear()
-            self._cache = SessionCache(0, {})  # what is still at work has the old one
+            self._cache = SessionCache(0)  # what is still at work has the old one
         self.cancel()
 
     def __enter__(self) -> Session:
@@ -221,6 +237,15 @@ class Session:
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
         self.close()
+
+
+def _has_output(graph: RunnableGraph, name: str) -> bool:
+    """Return whether a graph has an output of this name."""
+    try:
+        named_result(graph, name, 1)
+    except CommandError:
+        return False
+    return True
 
 
 def _unless_same(what: Image | dict[int, Image], before: Image | dict[int, Image] | None) -> Any:

@@ -28,15 +28,16 @@ _PATIENCE = 0.02  # seconds between two looks at whether a run that waits for it
 
 
 class SessionCache:
-    """Holds results by what they were made from, in at most ``max_bytes``; ``types`` are the nodes' types by name."""
+    """Holds results by what they were made from, in at most ``max_bytes``."""
 
-    def __init__(self, max_bytes: int, types: Mapping[str, str]) -> None:
+    def __init__(self, max_bytes: int) -> None:
         self.store = ResultStore(max_bytes, keeps_all=True)
         self._names: WeakKeyDictionary[Image, str] = WeakKeyDictionary()
         self._count = itertools.count(1)
         self._at_work = threading.Lock()
         self._told = _Told()
-        self._nodes = NodeEvents(self._told.tell, types)  # knows from run to run what each costs
+        self._types: dict[str, str] = {}  # of the nodes of the graph at work, by name
+        self._nodes = NodeEvents(self._told.tell, self._types)  # knows from run to run what each costs
 
     def compute(
         self,
@@ -76,6 +77,8 @@ class SessionCache:
             }
             held = {result: self.store.get(key) for result, key in stored.items()}
             work.leave_out({result: image for result, image in held.items() if image is not None})
+            self._types.clear()
+            self._types.update({name: node.declaration.type for name, node in graph.nodes.items()})
             self._nodes.begin_frame(frame)
             self._nodes.plan(work.steps)
 

@@ -202,6 +202,37 @@ def test_wrong_values_set_nothing_and_all_are_named(session):
     assert session.graph.values(1)["one"]["amount"] == 1
 
 
+def test_an_edited_graph_keeps_what_it_has_in_common(ran):
+    nodes = catalogue() | {"tally": tally(ran)}
+    events = []
+    session = Session(chain(nodes["tally"]), on_event=events.append)
+    session.given(plate=picture())
+    session.set({"one.amount": 5})
+    session.run()
+    ran.clear()
+    events.clear()
+    edited = chain(nodes["tally"]).document
+    edited["nodes"]["four"] = {"type": "tally@1", "inputs": {"image": "three"}}
+    session.exchange(graphs.load(edited, nodes))
+    four = session.run("four")["four"]
+    assert [name for name, _ in ran] == ["one", "two", "three", "four"]  # what was set is forgotten
+    assert [(event["node"], event["type"]) for event in events if event["event"] == "node"][-1] == ("four", "tally")
+    ran.clear()
+    edited["nodes"]["four"]["params"] = {"amount": 2}
+    session.exchange(graphs.load(edited, nodes))
+    np.testing.assert_array_equal(session.run("four")["four"].pixels, four.pixels + np.float32(1))
+    assert [name for name, _ in ran] == ["four"]
+
+
+def test_pictures_stay_where_an_edited_graph_has_their_names(session, ran):
+    session.given(two=picture())
+    session.exchange({"format": "flowabs.graph/1", "nodes": {"plate": {"type": "read@1"}}})
+    assert list(session._given) == ["plate"]
+    with pytest.raises(GraphError):
+        session.exchange({"format": "flowabs.graph/1", "nodes": {"plate": {"type": "nothing@1"}}})
+    assert session.run("plate")["plate"].pixels.shape == picture().pixels.shape
+
+
 def test_wrong_pictures_and_names(session):
     with pytest.raises(CommandError, match="plate"):
         session.given(plat=picture())

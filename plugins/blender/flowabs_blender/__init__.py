@@ -1,4 +1,4 @@
-"""flowabs in Blender: graphs as node trees. Only Blender imports it; a script finds what it needs in ``tree_json``."""
+"""flowabs in Blender: graphs as node trees. Only Blender imports it; scripts use :func:`run` and ``tree_json``."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import bpy
 
 from . import (
     add_menu,
+    background_operator,
     driving,
     graph_menu,
     graph_settings,
@@ -14,9 +15,16 @@ from . import (
     knobs_panel,
     node_classes,
     node_operators,
+    preview_operator,
+    run_operators,
+    run_panels,
     sockets,
     tree,
+    work_end,
 )
+from .scripting import run
+
+__all__ = ["register", "run", "unregister"]
 
 _classes: list[type] = []  # registered, of nodes and sockets: the catalogue says which there are
 
@@ -26,6 +34,10 @@ OPERATORS_AND_PANELS = (
     *graph_settings.CLASSES,
     *driving.CLASSES,
     *knob_operators.CLASSES,
+    *background_operator.CLASSES,
+    *run_operators.CLASSES,
+    *preview_operator.CLASSES,
+    *run_panels.CLASSES,
     *knobs_panel.CLASSES,
 )
 
@@ -42,10 +54,12 @@ def register() -> None:
     tree.register()
     graph_menu.register()
     add_menu.register()
+    work_end.register()
 
 
 def unregister() -> None:
     """Take everything away again; trees stay in the file as they are."""
+    work_end.unregister()
     add_menu.unregister()
     graph_menu.unregister()
     tree.unregister()

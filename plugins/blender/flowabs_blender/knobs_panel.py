@@ -14,6 +14,11 @@ from .knobs import is_ours
 LINE = 44  # letters in a sidebar's usual width
 
 
+def wrapped(text: str) -> list[str]:
+    """Return a text as lines that fit into a sidebar."""
+    return textwrap.wrap(text.strip(), LINE)
+
+
 class InSidebar:
     """Puts a panel into the sidebar's tab of flowabs; mixed into the panels."""
 
@@ -35,20 +40,25 @@ class FLOWABS_PT_knobs(InSidebar, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         """Draw each knob as a slider, by section."""
         tree = context.space_data.edit_tree
-        knob_watch.ask_after_move(tree)
-        sections: dict[str, list[Any]] = {}
-        for knob in tree.knobs:
-            sections.setdefault(str(knobs.declaration(knob).get("group", "")), []).append(knob)
-        if not sections:
-            self.layout.label(text="This graph has no knobs")
         if context.scene.flowabs_tree != tree:
             self.layout.operator("flowabs.use_in_scene", icon="SCENE_DATA")
-        for section, members in sections.items():
-            box = self.layout.box() if section else self.layout.column()
-            if section:
-                box.label(text=section)
-            for knob in members:
-                _draw_knob(box, tree, knob)
+        draw_knobs(self.layout, tree)
+
+
+def draw_knobs(layout: Any, tree: bpy.types.NodeTree) -> None:
+    """Draw each knob of a tree as a slider, by section."""
+    knob_watch.ask_after_move(tree)
+    sections: dict[str, list[Any]] = {}
+    for knob in tree.knobs:
+        sections.setdefault(str(knobs.declaration(knob).get("group", "")), []).append(knob)
+    if not sections:
+        layout.label(text="This graph has no knobs")
+    for section, members in sections.items():
+        box = layout.box() if section else layout.column()
+        if section:
+            box.label(text=section)
+        for knob in members:
+            _draw_knob(box, tree, knob)
 
 
 def _draw_knob(layout: Any, tree: bpy.types.NodeTree, knob: Any) -> None:
@@ -79,7 +89,7 @@ class FLOWABS_PT_problems(InSidebar, bpy.types.Panel):
             box = self.layout.box()
             box.label(text=name or "The graph", icon="INFO" if problem["warning"] else "ERROR")
             for line in problem["long"].splitlines()[1:]:
-                for part in textwrap.wrap(line.strip(), LINE):
+                for part in wrapped(line):
                     box.label(text=part)
         self.layout.operator("flowabs.check")
         self.layout.operator("flowabs.forget_unknown")

@@ -82,10 +82,14 @@ def parts(pointer: str) -> list[str]:
 
 def _shown(problem: Problem, place: list[str]) -> dict[str, Any]:
     """Return a problem as panels show it: in few words, and all of it."""
-    what = readable(".".join(place[1:] or place)) or "Graph"
-    text = SHORT.get(problem.code, USUAL)
-    short = text.format(what=what, found=problem.found, expected=problem.expected)
+    short = in_short(problem, place)
     return {"short": short, "long": problem.block, "warning": problem.warning, "place": place, "code": problem.code}
+
+
+def in_short(problem: Problem, place: list[str]) -> str:
+    """Return a problem in few words; ``place`` is where it is in its node, or in the graph."""
+    what = readable(".".join(place[1:] or place)) or "Graph"
+    return SHORT.get(problem.code, USUAL).format(what=what, found=problem.found, expected=problem.expected)
 
 
 def mark_links(tree: bpy.types.NodeTree) -> None:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import bpy
 
-from . import knob_watch, problems, socket_kinds, spare_inputs
+from . import knob_watch, problems, socket_kinds, spare_inputs, tree_changes
 from .identifiers import TREE
 from .knobs import FlowabsKnob, is_ours
+from .run_settings import FlowabsRunSettings
 
 
 class FlowabsTree(bpy.types.NodeTree):
@@ -17,6 +18,7 @@ class FlowabsTree(bpy.types.NodeTree):
     bl_icon = "BRUSH_DATA"
 
     knobs: bpy.props.CollectionProperty(type=FlowabsKnob)
+    run_settings: bpy.props.PointerProperty(type=FlowabsRunSettings)
     record: bpy.props.StringProperty(description="What the graph file said beside nodes and knobs, JSON")
     problems: bpy.props.StringProperty(description="What is wrong with the graph beside its nodes, JSON")
     knob_positions: bpy.props.StringProperty(description="Where the knobs stood at the last update, JSON")
@@ -32,6 +34,7 @@ class FlowabsTree(bpy.types.NodeTree):
         socket_kinds.refresh(self)
         spare_inputs.refresh(self)
         problems.refresh(self)
+        tree_changes.note(self)
         if not bpy.app.background and not bpy.app.timers.is_registered(_mark_all_links):
             bpy.app.timers.register(_mark_all_links, first_interval=0.0)
 
@@ -41,7 +44,7 @@ def _mark_all_links() -> None:
         problems.mark_links(tree)
 
 
-CLASSES = (FlowabsKnob, FlowabsTree)
+CLASSES = (FlowabsKnob, FlowabsRunSettings, FlowabsTree)
 
 
 def register() -> None:
