@@ -91,6 +91,17 @@ class Gradients(NamedTuple):
     turn: Floats  # with the second derivative along the tangent
 
 
+class Edge(NamedTuple):
+    """The edge that sixteen pixels belong to."""
+
+    m: Floats  # g(0)^2
+    x: Floats  # where the pixel is, seen from the edge
+    variance: Floats  # b_t^2
+    b_t: Floats
+    blur_variance: Floats  # b^2
+    lift: Floats  # g(p0) / g(0)
+
+
 @kernel
 def missing_response(
     first: int,
@@ -188,51 +199,51 @@ def _both_sides(lattice: npt.NDArray[np.complex64], entries: Int32, offsets: Arr
 @inlined
 def _missing_share(sums: Gradients, model: EdgeModel) -> Floats:
     """Return what a channel's response lacks, divided by its gradient g(0)."""
+    edge = _edge(sums, model)
+    contrast = edge.b_t * edge.lift * _ROOT_OF_TWO_PI  # C / g(0)
+    present = edge.blur_variance + model.seen
+    lacks = contrast * (_h(edge.x, minimum(present, model.wanted), model) - _h(edge.x, present, model))
+    return lacks * _certainty(edge, sums, model) * model.amount
+
+
+@inlined
+def _edge(sums: Gradients, model: EdgeModel) -> Edge:
+    """Return the edge that has the gradients of ``sums``."""
     m = minimum(maximum(sums.here, _FLAT), _ENORMOUS)
     l0 = log2(m)
     after = log2(minimum(maximum(sums.after, _LEAST * m), _ENORMOUS)) - l0
     before = log2(minimum(maximum(sums.before, _LEAST * m), _ENORMOUS)) - l0
     q = minimum((after + before) / LOG2_E, -_LEAST_Q)
-    variance = model.d * model.d / -q  # b_t^2
+    variance = model.d * model.d / -q
     x = model.d * (0.5 / LOG2_E) * (after - before) / q
-    b_t = sqrt(variance)
-    lift = exp2(minimum(x * x / (2.0 * variance), _FARTHEST) * LOG2_E)  # g(p0) / g(0)
-    contrast = b_t * lift * _ROOT_OF_TWO_PI  # C / g(0)
-    blur_variance = maximum(variance - _SAMPLING - model.t * model.t, 0.0)  # b^2
-    counts = _certainty(sums, m, x, variance, b_t, blur_variance, lift, model) * model.amount
-    present = blur_variance + model.seen
-    return counts * contrast * (_h(x, minimum(present, model.wanted), model) - _h(x, present, model))
+    lift = exp2(minimum(x * x / (2.0 * variance), _FARTHEST) * LOG2_E)
+    blur_variance = maximum(variance - _SAMPLING - model.t * model.t, 0.0)
+    return Edge(m, x, variance, sqrt(variance), blur_variance, lift)
 
 
 @inlined
-def _certainty(
-    sums: Gradients,
-    m: Floats,
-    x: Floats,
-    variance: Floats,
-    b_t: Floats,
-    blur_variance: Floats,
-    lift: Floats,
-    model: EdgeModel,
-) -> Floats:
+def _certainty(edge: Edge, sums: Gradients, model: EdgeModel) -> Floats:
     """Return how far the edge that was found is one, and worth a line: 0 to 1."""
     t = model.t
-    finer = _rise((variance - _SAMPLING) / (t * t), _FINER, _NOT_FINER)
-    soft = 1.0 - _rise(sqrt(blur_variance) / t, _SOFT, _TOO_SOFT)
-    wide = t / maximum(b_t, t)
-    sure = _rise(sqrt(m) * lift * (b_t / t) * (t * wide * wide * wide), _UNSURE, _SURE)
-    off = maximum(_unlike(x, model.e, sums.beyond / m, variance), _unlike(x, -model.e, sums.behind / m, variance))
-    alone = 1.0 - _rise(off / lift, _ALONE, _CROWDED)
-    straight = 1.0 - _rise(absolute(sums.turn) / m * b_t, _STRAIGHT, _BENT)
-    edge = select(sums.here > _FLAT, select(sums.here < _ENORMOUS, splat_floats(1.0), 0.0), 0.0)
-    return edge * finer * soft * sure * alone * straight
+    finer = _rise((edge.variance - _SAMPLING) / (t * t), _FINER, _NOT_FINER)
+    soft = 1.0 - _rise(sqrt(edge.blur_variance) / t, _SOFT, _TOO_SOFT)
+    wide = t / maximum(edge.b_t, t)
+    sure = _rise(sqrt(edge.m) * edge.lift * edge.b_t * wide * wide * wide, _UNSURE, _SURE)
+    off = maximum(_unlike(edge, model.e, sums.beyond), _unlike(edge, -model.e, sums.behind))
+    alone = 1.0 - _rise(off / edge.lift, _ALONE, _CROWDED)
+    straight = 1.0 - _rise(absolute(sums.turn) / edge.m * edge.b_t, _STRAIGHT, _BENT)
+    there = select(sums.here > _FLAT, select(sums.here < _ENORMOUS, splat_floats(1.0), 0.0), 0.0)
+    return there * finer * soft * sure * alone * straight
 
 
 @inlined
-def _unlike(x: Floats, far: float, found: Floats, variance: Floats) -> Floats:
-    """Return how far the gradient at ``far``, in units of g(0), is from what the edge makes it there."""
-    exponent = (x * x - (x + far) * (x + far)) / (2.0 * variance) * LOG2_E
-    return absolute(found - exp2(minimum(maximum(exponent, -100.0), 100.0)))
+def _unlike(edge: Edge, far: float, product: Floats) -> Floats:
+    """Return how far the gradient at ``far`` is from what the edge makes it there, in units of g(0).
+
+    ``product`` is that of the two gradients.
+    """
+    exponent = (edge.x * edge.x - (edge.x + far) * (edge.x + far)) / (2.0 * edge.variance) * LOG2_E
+    return absolute(product / edge.m - exp2(minimum(maximum(exponent, -100.0), 100.0)))
 
 
 @inlined
