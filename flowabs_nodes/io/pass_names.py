@@ -46,6 +46,8 @@ CRYPTOMATTE = Names(
     ("cryptoobject00", "cryptomatte00"),  # Blender, Arnold; V-Ray
     "R, G, B, A",
 )
+#: Found when somebody asks for the ids of the layer "cryptomatte", whose real name a renderer makes up.
+ANY_CRYPTOMATTE = "cryptomatte"
 #: Found when somebody asks for the layer "albedo".
 ALBEDO = Names(
     "albedo",

@@ -13,9 +13,9 @@ from flowabs_nodes.errors import ReadError
 from flowabs_nodes.image import Image
 from flowabs_nodes.io import cryptomatte, passes
 from flowabs_nodes.io.image_file import PictureFile
-from flowabs_nodes.io.layer_groups import Layer, inside_of, of_default_view
+from flowabs_nodes.io.layer_groups import Layer, inside_of, of_default_view, within
 from flowabs_nodes.io.layers import Selection
-from flowabs_nodes.io.pass_names import CRYPTOMATTE, ID, plain_name
+from flowabs_nodes.io.pass_names import ANY_CRYPTOMATTE, CRYPTOMATTE, ID, plain_name
 from flowabs_nodes.io.read import Say, quiet
 from flowabs_nodes.io.read_passes import grey, image_of, opened, say_which
 from flowabs_nodes.io.settings import Settings
@@ -35,10 +35,11 @@ def read_id(
     """Read an id pass: an id image, uint32, and as a mono the part of each pixel that its id covers, 0 to 1.
 
     ``layer`` "" takes the Cryptomatte of objects, else a channel of whole numbers, by the usual names
-    (:data:`flowabs_nodes.io.pass_names.CRYPTOMATTE` and ``ID``), else the file's only Cryptomatte. Of a Cryptomatte the
-    id that covers most of a pixel is taken, 0 where the background does; its manifest goes along as metadata. Whole
-    numbers may be stored as uint, float or half; their coverage is 1, and -1 becomes 4294967295. Raises ReadError as
-    :func:`read_depth`, and where a channel's numbers are not whole.
+    (:data:`flowabs_nodes.io.pass_names.CRYPTOMATTE` and ``ID``), else the file's only Cryptomatte; "cryptomatte",
+    "Fg.cryptomatte" take no id pass. Of a Cryptomatte the id that covers most of a pixel is taken, 0 where the
+    background does; its manifest goes along as metadata. Whole numbers may be stored as uint, float or half; their
+    coverage is 1, and -1 becomes 4294967295. Raises ReadError as :func:`read_depth`, and where a channel's numbers are
+    not whole.
     """
     with opened(path, settings, part) as (file, layers):
         known = cryptomatte.declared(file.specs)
@@ -69,6 +70,10 @@ def _id_layer(file: PictureFile, layers: Sequence[Layer], layer: str, known: dic
         if any(wanted in (base, base.rpartition(".")[2]) for base in bases):
             first = f"{wanted}00" + (f".{view}" if view else "")
             return passes.find_named(file.specs, levels, first, CRYPTOMATTE, cryptomatte.first_level)
+        if plain_name(base) == ANY_CRYPTOMATTE:
+            where = ".".join(filter(None, (base.rpartition(".")[0], view)))
+            if found := _cryptomatte(file, within(file.specs, levels, where) if where else levels):
+                return found
         inside = inside_of(file.specs, layers, layer, Layer.single)
         found = _usual(file, inside, [each for each in levels if each in inside])
         return found or passes.find_named(file.specs, layers, layer, ID, Layer.single)
@@ -82,7 +87,12 @@ def _id_layer(file: PictureFile, layers: Sequence[Layer], layer: str, known: dic
 def _usual(file: PictureFile, layers: Sequence[Layer], levels: Sequence[Layer]) -> Selection | None:
     """Return the Cryptomatte of objects, else an id pass, else the only Cryptomatte; None where there is none."""
     found = passes.find_usual(file.specs, levels, CRYPTOMATTE, cryptomatte.first_level)
-    found = found or passes.find_usual(file.specs, layers, ID, Layer.single)
+    return found or passes.find_usual(file.specs, layers, ID, Layer.single) or _cryptomatte(file, levels)
+
+
+def _cryptomatte(file: PictureFile, levels: Sequence[Layer]) -> Selection | None:
+    """Return the Cryptomatte of objects, else the only one; None where there is none, or several."""
+    found = passes.find_usual(file.specs, levels, CRYPTOMATTE, cryptomatte.first_level)
     if found:
         return found
     here, said = of_default_view(file.specs, levels)

@@ -130,7 +130,8 @@ READ_ID = Node(
     doc=(
         "Usual names, the first that is there: CryptoObject (Blender), crypto_object (Arnold), Cryptomatte (V-Ray); ID "
         "(Arnold), id (RenderMan), Object Index (Blender; before 5.0 IndexOB), Object ID, Render ID (V-Ray), primid "
-        "(Karma); Material Index or IndexMA (Blender), MtlID (V-Ray); else the file's only Cryptomatte. "
+        "(Karma); Material Index or IndexMA (Blender), MtlID (V-Ray); else the file's only Cryptomatte. The layer "
+        "cryptomatte, or Fg.cryptomatte, is a Cryptomatte under whatever name. "
         f"{_COMPARED} In a Cryptomatte the background wins a pixel of which all ids together leave more than the first "
         "has, and the manifest goes along as metadata. An id pass may be stored as uint, float or half."
     ),

@@ -86,7 +86,7 @@ def test_a_pass_has_the_same_names_in_both(version: str, read: Any, layer: str, 
 
 @pytest.mark.parametrize("version", VERSIONS)
 def test_the_cryptomatte_of_objects_with_its_manifest(version: str) -> None:
-    for layer in ("", "CryptoObject", "ViewLayer"):
+    for layer in ("", "CryptoObject", "ViewLayer", "cryptomatte", "ViewLayer.Cryptomatte"):
         ids, _ = read_id(DATA / f"comp_{version}.exr", layer=layer)
         assert set(np.unique(ids.pixels)) == {0, 0xD15E1B1E, 0x645D3BC4}
         assert '"crate":"d15e1b1e"' in str(ids.spec.getattribute("cryptomatte/542cafa/manifest"))
@@ -135,7 +135,21 @@ def test_a_pass_of_one_eye(version: str) -> None:
         read_image(path, layer="Fg.albedo.right").pixels[..., 2],
         channel(path, f"Fg.{RENAMED[version].get('Diffuse Color', 'Diffuse Color')}.B", "right"),
     )
-    assert read_id(path, layer="Bg.01.CryptoObject.right")[0].origin.layer.startswith("Bg.01.CryptoObject00")  # type: ignore[union-attr]
+    for layer in ("Bg.01.CryptoObject.right", "Bg.01.cryptomatte.right"):
+        ids, _ = read_id(path, layer=layer)
+        name, view = ids.origin.layer, "right"  # type: ignore[union-attr]
+        assert name in ("Bg.01.CryptoObject00", f"Bg.01.CryptoObject00.{view}")
+        np.testing.assert_array_equal(
+            ids.pixels[..., 0].view(np.float32), channel(path, "Bg.01.CryptoObject00.r", view)
+        )
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_a_cryptomatte_that_is_not_there(version: str) -> None:
+    with pytest.raises(ReadError, match=r"'Bg\.02\.cryptomatte' is not in the file"):
+        read_id(DATA / f"stereo_layers_comp_{version}.exr", layer="Bg.02.cryptomatte")
+    with pytest.raises(ReadError, match="could be read from several places"):
+        read_id(DATA / f"stereo_layers_comp_{version}.exr", layer="cryptomatte")
 
 
 def test_parts_of_one_eye() -> None:

@@ -7,12 +7,14 @@ import bpy
 from . import (
     add_menu,
     background_operator,
+    compositing,
     driving,
     graph_menu,
     graph_settings,
     import_export,
     knob_operators,
     knobs_panel,
+    module_exit,
     node_classes,
     node_operators,
     preview_operator,
@@ -22,9 +24,10 @@ from . import (
     tree,
     work_end,
 )
+from .compositing import remove_compositing, set_up_compositing
 from .scripting import run
 
-__all__ = ["register", "run", "unregister"]
+__all__ = ["register", "remove_compositing", "run", "set_up_compositing", "unregister"]
 
 _classes: list[type] = []  # registered, of nodes and sockets: the catalogue says which there are
 
@@ -55,11 +58,15 @@ def register() -> None:
     graph_menu.register()
     add_menu.register()
     work_end.register()
+    compositing.register()
+    module_exit.register(unregister)
 
 
 def unregister() -> None:
     """Take everything away again; trees stay in the file as they are."""
     work_end.unregister()
+    module_exit.unregister(unregister)
+    compositing.unregister()
     add_menu.unregister()
     graph_menu.unregister()
     tree.unregister()

@@ -50,6 +50,8 @@ class FLOWABS_MT_graph(bpy.types.Menu):
         self.layout.separator()
         self.layout.operator("flowabs.edit_graph", icon="PREFERENCES")
         self.layout.operator("flowabs.check", icon="CHECKMARK")
+        self.layout.separator()
+        self.layout.operator("flowabs.set_up_compositing", icon="NODE_COMPOSITING")
 
 
 def draw_graph_menu(self: Any, context: bpy.types.Context) -> None:
