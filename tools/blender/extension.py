@@ -62,7 +62,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         if not targets:
             raise FlowabsError(f"Blender {given.blender} does not run on {given.platform}")
-        given.out.mkdir(parents=True, exist_ok=True)
         for target, made in build(targets, given.out):
             if given.cache is not None:
                 validate(made, make(target.blender.clean, find(target.blender.python), given.cache.resolve()))
@@ -88,7 +87,8 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def build(targets: Sequence[Target], out: Path) -> Iterator[tuple[Target, Path]]:
-    """Write a zip for each target into a folder; yield each, once it is there."""
+    """Write a zip for each target into a folder, made if need be; yield each, once it is there."""
+    out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         own = wheels.build(folder)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import platform
 import re
 import sys
 from collections.abc import Mapping, Sequence
@@ -30,7 +31,7 @@ LICENSES: Mapping[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True)
 class Platform:
-    """Names a platform as Blender's manifests do, and the tags of the wheels that run on it, the preferred one first."""
+    """Names a platform as Blender's manifests do, and the tags of the wheels that run on it."""
 
     name: str
     tags: tuple[str, ...]
@@ -48,23 +49,32 @@ PLATFORMS: Mapping[str, Platform] = {
 }
 
 
+def here() -> Platform:
+    """Return the platform of this machine; raises FlowabsError where it is none of those that zips are built for."""
+    system = {"Linux": "linux", "Windows": "windows", "Darwin": "macos"}.get(platform.system(), platform.system())
+    machine = {"AMD64": "x64", "x86_64": "x64", "aarch64": "arm64"}.get(platform.machine(), platform.machine())
+    if f"{system}-{machine}" not in PLATFORMS:
+        raise FlowabsError(f"no extension is built for {system}-{machine}: only for {', '.join(PLATFORMS)}")
+    return PLATFORMS[f"{system}-{machine}"]
+
+
 def build(folder: Path) -> Path:
     """Build the package's own wheel into a folder, and return its path."""
     call("cannot build flowabs", [*PIP, "wheel", "--no-deps", "--wheel-dir", str(folder), str(CHECKOUT)])
     return next(folder.glob("flowabs_nodes-*.whl"))
 
 
-def gather(own: Path, blender: Blender, platform: Platform, folder: Path) -> list[Path]:
+def gather(own: Path, blender: Blender, target: Platform, folder: Path) -> list[Path]:
     """Download into a folder what the package's wheel needs in a Blender on a platform; return all wheels, by name.
 
     NumPy is Blender's own: it takes part in choosing versions, and is not among the wheels. Raises FlowabsError where
     there are no such wheels, and where one is not known to be free to bundle or has no text of its licence.
     """
     command = [*PIP, "download", "--dest", str(folder), "--only-binary", ":all:", "--python-version", blender.python]
-    for tag in platform.tags:
+    for tag in target.tags:
         command += ["--platform", tag]
     numpy = f"numpy=={blender.numpy}.*"
-    call(f"no wheels for {platform.name}, Blender {blender.version}", [*command, numpy, *platform.also, str(own)])
+    call(f"no wheels for {target.name}, Blender {blender.version}", [*command, numpy, *target.also, str(own)])
     wheels = sorted(each for each in folder.glob("*.whl") if distribution(each) != "numpy")
     for wheel in wheels:
         _check_license(wheel)

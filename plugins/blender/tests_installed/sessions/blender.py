@@ -49,8 +49,9 @@ def is_enabled() -> bool:
 
 def pixels_of(**node: Any) -> str:
     """Run a node of the editor on the picture that is given; return a digest of the pixels that come out."""
-    import flowabs_nodes
     from bl_ext.user_default.flowabs_blender import import_export, tree_json
+
+    import flowabs_nodes
 
     plate = {"type": "read@1", "params": {"file": GIVEN["picture"]}}
     nodes = {"plate": plate, "made": {**node, "inputs": {"image": "plate"}}}
