@@ -15,12 +15,12 @@ def play(told: dict[str, Any]) -> steps.Steps:
     yield 0.5
     with steps.within(nodes):
         bpy.ops.flowabs.new_from_preset(preset="abstraction")
-        bpy.ops.node.view_all()
     tree = nodes.spaces.active.node_tree
     for each in (nodes, image):
         each.spaces.active.show_region_ui = True
     yield 0.5
     with steps.within(nodes):
+        bpy.ops.node.view_all()
         bpy.ops.wm.call_menu(name="NODE_MT_add")
     yield 0.5
     steps.press("ESC")

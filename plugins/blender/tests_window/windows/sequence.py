@@ -1,0 +1,39 @@
+"""Runs a graph over rendered frames to the end, and again over many, which Esc ends."""
+
+import time
+from pathlib import Path
+from typing import Any
+
+import bpy
+import steps
+
+
+def play(told: dict[str, Any]) -> steps.Steps:
+    from flowabs_blender import background
+
+    steps.open_editors()
+    nodes = steps.areas()[0]
+    yield 0.5
+    with steps.within(nodes):
+        bpy.ops.flowabs.new_from_preset(preset="lines")
+    folder = Path(steps.GIVEN["folder"])
+    for name, frames in (("whole", "1-3"), ("ended", "1-300")):
+        with steps.within(nodes):
+            bpy.ops.flowabs.run_sequence(
+                "INVOKE_DEFAULT",
+                frames_in=str(folder / "shot.####.exr"),
+                frames_out=str(folder / f"{name}.####.exr"),
+                frame_range=frames,
+            )
+        pressed = time.monotonic()
+        if name == "ended":
+            yield from steps.until(lambda: list(folder.glob("ended.*.exr")), 60, "the first frame")
+            steps.press("ESC")
+            pressed = time.monotonic()
+        yield from steps.until(lambda: not background.at_work(), 90, f"the end of {name}")
+        told[f"{name}_seconds"] = time.monotonic() - pressed
+        yield 0.5
+    told["shown"] = steps.areas()[1].spaces.active.image.name
+
+
+steps.play(play)
