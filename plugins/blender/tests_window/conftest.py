@@ -16,7 +16,7 @@ import pytest
 
 HERE = Path(__file__).parent
 CHECKOUT = HERE.parents[2]
-SIZE = ("1600", "900")
+SIZE = ("1280", "720")
 
 Told = Mapping[str, Any]
 

@@ -56,17 +56,12 @@ def window() -> bpy.types.Window:
     return bpy.context.window_manager.windows[0]
 
 
-def areas() -> list[bpy.types.Area]:
-    """Return the areas of the window, the largest first."""
-    return sorted(window().screen.areas, key=lambda area: -area.width * area.height)
-
-
-def open_editors() -> None:
-    """Make the largest area a node editor for graphs, and the next one an Image Editor."""
-    nodes, image = areas()[:2]
-    nodes.type = "NODE_EDITOR"
-    nodes.ui_type = "FlowabsTree"
-    image.type = "IMAGE_EDITOR"
+def open_editors(*kinds: str) -> list[bpy.types.Area]:
+    """Make the largest areas of the window editors of these kinds, and return them."""
+    areas = sorted(window().screen.areas, key=lambda area: -area.width * area.height)[: len(kinds)]
+    for area, kind in zip(areas, kinds, strict=True):
+        area.ui_type = kind
+    return areas
 
 
 def within(area: bpy.types.Area) -> Any:
@@ -82,7 +77,7 @@ def press(key: str) -> None:
         window().event_simulate(type=key, value=value, x=x, y=y)
 
 
-def until(happened: Callable[[], bool], seconds: float, what: str) -> Steps:
+def until(happened: Callable[[], object], seconds: float, what: str) -> Steps:
     """Wait until something has happened; fails if it has not by then."""
     waited = 0.0
     while not happened():
@@ -96,9 +91,12 @@ class Watch:
     """Notes how long Blender was busy with something else at a time: then it answers nobody."""
 
     def __init__(self) -> None:
-        self.longest = 0.0
-        self._last = time.monotonic()
+        self.restart()
         bpy.app.timers.register(self._tick)
+
+    def restart(self) -> None:
+        """Forget what was."""
+        self.longest, self._last = 0.0, time.monotonic()
 
     def _tick(self) -> float:
         now = time.monotonic()

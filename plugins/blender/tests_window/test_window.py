@@ -24,13 +24,13 @@ def test_the_picture_of_the_docs(blender: Callable[..., str], tmp_path: Path) ->
     picture = tmp_path / "docs.png"
     blender(CHECKOUT / "plugins" / "blender" / "screenshot.py", "abstraction", str(picture))
     pixels = oiio.ImageBuf(str(picture)).get_pixels(oiio.UINT8)
-    assert pixels.shape[:2] == (852, 1600), "the node editor fills the window but for Blender's two bars"
+    assert pixels.shape[:2] == (672, 1280), "the node editor fills the window but for Blender's two bars"
     assert len(np.unique(pixels.reshape(-1, pixels.shape[2]), axis=0)) > 500
 
 
 def test_a_run_goes_on_beside_the_window_and_ends_with_escape(window: Window, tmp_path: Path) -> None:
     told = window("cancel", picture=tmp_path / "cancel.png")
-    assert told["begun"] == told["still_at_work"] == 1
+    assert told["at_work"]
     assert told["longest_gap"] < 1, "Blender has to answer meanwhile"
     assert told["seconds"] < 1
     assert told["results"] == []

@@ -1,6 +1,7 @@
 """Makes a graph of a preset, looks at all that is drawn of it, adds a node, and undoes that."""
 
 import json
+from pathlib import Path
 from typing import Any
 
 import bpy
@@ -8,10 +9,9 @@ import steps
 
 
 def play(told: dict[str, Any]) -> steps.Steps:
-    from flowabs_blender import knobs_panel, run_panels, tree_json
+    from flowabs_blender import tree_json
 
-    steps.open_editors()
-    nodes, image = steps.areas()[:2]
+    nodes, image = steps.open_editors("FlowabsTree", "IMAGE_EDITOR")
     yield 0.5
     with steps.within(nodes):
         bpy.ops.flowabs.new_from_preset(preset="abstraction")
@@ -29,8 +29,7 @@ def play(told: dict[str, Any]) -> steps.Steps:
         tree.nodes.active = node
         nodes.tag_redraw()
         yield 0.1
-    told["panels"] = len(run_panels.CLASSES + knobs_panel.CLASSES)
-    bpy.ops.screen.screenshot(filepath=steps.GIVEN["picture"])
+    steps.screenshot(Path(steps.GIVEN["picture"]))
     before = json.dumps(tree_json.graph_of(tree))
     with steps.within(nodes):
         bpy.ops.ed.undo_push(message="before")

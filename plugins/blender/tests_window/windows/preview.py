@@ -13,8 +13,7 @@ def play(told: dict[str, Any]) -> steps.Steps:
     from flowabs_blender import preview, run_panels
 
     bpy.utils.unregister_class(run_panels.FLOWABS_PT_image_run)  # it grows later, and would move the slider
-    steps.open_editors()
-    nodes, image = steps.areas()[:2]
+    image, nodes = steps.open_editors("IMAGE_EDITOR", "FlowabsTree")
     image.spaces.active.image = bpy.data.images.load(steps.GIVEN["plate"])
     image.spaces.active.show_region_ui = True
     yield 0.5

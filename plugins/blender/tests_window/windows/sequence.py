@@ -11,8 +11,7 @@ import steps
 def play(told: dict[str, Any]) -> steps.Steps:
     from flowabs_blender import background
 
-    steps.open_editors()
-    nodes = steps.areas()[0]
+    nodes, image = steps.open_editors("FlowabsTree", "IMAGE_EDITOR")
     yield 0.5
     with steps.within(nodes):
         bpy.ops.flowabs.new_from_preset(preset="lines")
@@ -33,7 +32,7 @@ def play(told: dict[str, Any]) -> steps.Steps:
         yield from steps.until(lambda: not background.at_work(), 90, f"the end of {name}")
         told[f"{name}_seconds"] = time.monotonic() - pressed
         yield 0.5
-    told["shown"] = steps.areas()[1].spaces.active.image.name
+    told["shown"] = image.spaces.active.image.name
 
 
 steps.play(play)
