@@ -40,10 +40,10 @@ def test_a_sequence_is_run_and_ended(window: Window, tmp_path: Path) -> None:
     for frame in range(1, 301):
         (tmp_path / f"shot.{frame:04}.exr").symlink_to(PLATE)
     told = window("sequence", folder=tmp_path)
-    assert len(list(tmp_path.glob("whole.*.exr"))) == 3
-    assert told["shown"] == "whole.0001.exr"
+    assert len(list(tmp_path.glob("whole.*.png"))) == 3
+    assert told["shown"] == "whole.0001.png"
     assert told["ended_seconds"] < 1
-    made = list(tmp_path.glob("ended.*.exr"))
+    made = list(tmp_path.glob("ended.*.png"))
     assert 0 < len(made) < 300
     for file in made:
         assert not oiio.ImageBuf(str(file)).has_error, f"{file.name} is not whole"
