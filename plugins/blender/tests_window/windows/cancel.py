@@ -12,12 +12,11 @@ def play(told: dict[str, Any]) -> steps.Steps:
     from flowabs_blender import background
 
     (nodes,) = steps.open_editors("FlowabsTree")
-    for name, side in (("small", 64), ("large", 3000)):
-        bpy.data.images.new(name, side, side, float_buffer=True).generated_type = "COLOR_GRID"
+    bpy.data.images.new("large", 2400, 2400, float_buffer=True).generated_type = "COLOR_GRID"
     yield 0.5
     with steps.within(nodes):
         bpy.ops.flowabs.new_from_preset(preset="abstraction")
-        bpy.ops.flowabs.run(image="small")  # and so all filters are compiled
+        bpy.ops.flowabs.run(image="large")  # and so all filters are compiled
         bpy.data.images.remove(bpy.data.images["abstraction comp"])
         bpy.ops.flowabs.run("INVOKE_DEFAULT", image="large")
     (work,) = background.at_work()
