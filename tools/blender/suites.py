@@ -6,7 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -52,13 +52,12 @@ class Run:
             return 1
 
 
-def with_checkout(place: Workplace) -> Iterator[Run]:
-    """Yield the tests of the checkout itself in each Blender's module."""
-    for blender in place.blenders:
-        yield Run(f"Blender {blender.version}", place.make(blender.with_flowabs), "tests")
+def with_checkout(place: Workplace) -> Iterable[Run]:
+    """Return the tests of the checkout itself in each Blender's module."""
+    return [Run(f"Blender {each.version}", place.make(each.with_flowabs), "tests") for each in place.blenders]
 
 
-def installed(place: Workplace) -> Iterator[Run]:
+def installed(place: Workplace) -> Iterable[Run]:
     """Yield the tests of the extension's zip in each Blender's module, where flowabs is nowhere else."""
     here = wheels.here()
     targets = [each for each in extension.TARGETS if each.blender in place.blenders and each.platform == here]
@@ -68,7 +67,7 @@ def installed(place: Workplace) -> Iterator[Run]:
         yield Run(f"the extension in Blender {target.blender.version}", python, "tests_installed", told)
 
 
-def in_window(place: Workplace) -> Iterator[Run]:
+def in_window(place: Workplace) -> Iterable[Run]:
     """Yield the tests that need a window, in the Blender of this machine, on a display of their own."""
     blender, _ = _program("blender"), _program("xvfb-run")
     show = "import sys; print('PYTHON', '%d.%d' % sys.version_info[:2])"
@@ -78,7 +77,7 @@ def in_window(place: Workplace) -> Iterator[Run]:
     yield Run("a window", place.make(own), "tests_window", {"FLOWABS_BLENDER": blender})
 
 
-SUITES: Mapping[str, Callable[[Workplace], Iterator[Run]]] = {
+SUITES: Mapping[str, Callable[[Workplace], Iterable[Run]]] = {
     "tests": with_checkout,
     "installed": installed,
     "window": in_window,
