@@ -40,13 +40,16 @@ class FlowabsNode:
         """Give a new node its sockets, and the name of its type."""
         if self.declaration is None:
             return
+        tree = self.id_data
+        was_filling, tree.is_filling = tree.is_filling, True  # it is updated with each socket, before that has its port
         for sockets, ports in (
             (self.inputs, self.declaration.all_inputs),
             (self.outputs, self.declaration.all_outputs),
         ):
             for name, port in ports.items():
                 add_socket(sockets, name, port)
-        if not self.id_data.is_filling:
+        tree.is_filling = was_filling
+        if not was_filling:
             self.graph_name = self.declaration.type
 
     def copy(self, node: bpy.types.Node) -> None:

@@ -41,6 +41,14 @@ def empty_file(extension: None) -> None:
     bpy.ops.wm.read_homefile(use_empty=True)
 
 
+@pytest.fixture(autouse=True)
+def no_errors_printed(capfd: pytest.CaptureFixture[str]) -> Iterator[None]:
+    """Fail where Blender printed the traceback of a callback of ours: it tells nobody else of it."""
+    yield
+    said = "".join(capfd.readouterr())
+    assert "Traceback" not in said, said
+
+
 @pytest.fixture
 def tree_of() -> Callable[[dict[str, Any]], Any]:
     """Return the function that makes a tree of a graph."""

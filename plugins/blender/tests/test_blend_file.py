@@ -95,7 +95,8 @@ def test_enabled_and_disabled_while_a_graph_is_open(tree_of: Any, capfd: pytest.
 def test_registered_twice_leaves_nothing_behind() -> None:
     flowabs_blender.unregister()
     assert not hasattr(bpy.types.Scene, "flowabs_tree")
-    assert not hasattr(bpy.types, "FlowabsTree")
+    with pytest.raises(TypeError, match="FlowabsTree"):
+        bpy.data.node_groups.new("none", "FlowabsTree")
     flowabs_blender.register()
     assert bpy.data.node_groups.new("again", "FlowabsTree").bl_idname == "FlowabsTree"
 

@@ -26,14 +26,14 @@ def example(monkeypatch: pytest.MonkeyPatch):
     return run
 
 
-def test_picture(example, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+def test_picture(example, tmp_path: Path, capfd: pytest.CaptureFixture) -> None:
     plate = write(tmp_path / "plate.exr", picture(30, 40, 3))
     example("picture", plate, str(tmp_path / "lines.exr"))
     values = {"line_width": 1.5, "flat.softness": 0.5}
     expected = fa.load_graph("abstraction").run(given={"plate": read_image(plate)}, set=values, outputs="comp")["comp"]
     np.testing.assert_array_equal(held(bpy.data.images["drawn"])[..., :3], expected.pixels)
     assert (tmp_path / "lines.exr").is_file()
-    assert "drawn: 40 x 30, Linear Rec.709" in capsys.readouterr().out
+    assert "drawn: 40 x 30, Linear Rec.709" in capfd.readouterr().out
 
 
 def test_try_knobs(example) -> None:
