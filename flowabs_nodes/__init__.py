@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from flowabs_nodes.engine.session import Session
     from flowabs_nodes.errors import Cancelled, FlowabsError
     from flowabs_nodes.image import Image
-    from flowabs_nodes.one_call import abstraction, abstraction_hdr, flat, inked, lines, portrait
+    from flowabs_nodes.one_call import abstraction, abstraction_hdr, bold, flat, inked, lines, pencil, portrait
 
 __version__ = "0.3.0"
 
@@ -39,7 +39,9 @@ _HOMES = {
     "Report": "engine.report",
     "RunnableGraph": "engine.runnable",
     "Session": "engine.session",
-    **dict.fromkeys(("abstraction", "abstraction_hdr", "flat", "inked", "lines", "portrait"), "one_call"),
+    **dict.fromkeys(
+        ("abstraction", "abstraction_hdr", "bold", "flat", "inked", "lines", "pencil", "portrait"), "one_call"
+    ),
     "load_graph": "engine.runnable",
     "run": "engine.render_sequence",
 }
@@ -55,12 +57,14 @@ __all__ = [
     "__version__",
     "abstraction",
     "abstraction_hdr",
+    "bold",
     "color",
     "filters",
     "flat",
     "inked",
     "lines",
     "load_graph",
+    "pencil",
     "portrait",
     "run",
 ]

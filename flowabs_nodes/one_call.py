@@ -122,7 +122,9 @@ def _signature(draw: Any, graph: RunnableGraph) -> inspect.Signature:
 
 abstraction = one_call("abstraction")
 abstraction_hdr = one_call("abstraction_hdr")
+bold = one_call("bold")
 flat = one_call("flat")
 inked = one_call("inked")
 lines = one_call("lines")
+pencil = one_call("pencil")
 portrait = one_call("portrait")

@@ -14,7 +14,7 @@ from flowabs_nodes.graph import GraphError
 from flowabs_nodes.graph.shipped import shipped
 from flowabs_nodes.image import Image
 
-NAMES = ("abstraction", "abstraction_hdr", "flat", "inked", "lines", "portrait")
+NAMES = ("abstraction", "abstraction_hdr", "bold", "flat", "inked", "lines", "pencil", "portrait")
 
 
 def photo():

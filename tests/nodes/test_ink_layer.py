@@ -13,6 +13,8 @@ INK = {
     "abstraction_hdr": {"ink": "comp.ink"},
     "portrait": {"ink": "comp.ink"},
     "inked": {"ink_bold": "drawn.ink", "ink_fine": "comp.ink"},
+    "bold": {"ink_bold": "drawn.ink", "ink_fine": "comp.ink"},
+    "pencil": {"ink": "comp.ink"},
 }
 
 
