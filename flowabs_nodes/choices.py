@@ -80,6 +80,17 @@ SAMPLINGS = Choices(
     {"nearest": "Nearest pixel"},
 )
 
+#: The size of the picture that a filter works on.
+WORKING_SCALES = Choices(
+    {
+        "full": "every pixel: exact",
+        "auto": "1/2 or 1/4 where the lengths allow it, else full",
+        "1/2": "half the width and height, a quarter of the time",
+        "1/4": "a quarter of the width and height",
+    },
+    {"1/2": "1/2", "1/4": "1/4"},
+)
+
 #: The kernel of ``etf``.
 ETF_KERNELS = Choices(
     {

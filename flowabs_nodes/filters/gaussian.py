@@ -35,14 +35,17 @@ SURROUND = 1.6
 LONGER = 3
 
 
-def difference(sigma_c: float, rho: float) -> Float64:
+def difference(sigma_c: float, rho: float, sigma_s: float | None = None) -> Float64:
     """Return one side of f (eq. 8): G(sigma_c) - rho G(sigma_s), both over ceil(3 sigma_s) steps."""
-    inner, outer = centre_and_surround(sigma_c)
+    inner, outer = centre_and_surround(sigma_c, sigma_s)
     return inner - rho * outer  # eq. 8
 
 
-def centre_and_surround(sigma_c: float) -> tuple[Float64, Float64]:
-    """Return one side each of G(sigma_c) and of G(sigma_s), sigma_s = 1.6 sigma_c, both over ceil(3 sigma_s) steps."""
-    sigma_s = SURROUND * sigma_c
+def centre_and_surround(sigma_c: float, sigma_s: float | None = None) -> tuple[Float64, Float64]:
+    """Return one side each of G(sigma_c) and of G(sigma_s), both over ceil(3 sigma_s) steps.
+
+    ``sigma_s`` is 1.6 sigma_c unless given.
+    """
+    sigma_s = SURROUND * sigma_c if sigma_s is None else sigma_s
     steps = radius(sigma_s)
     return half(sigma_c, steps), half(sigma_s, steps)

@@ -7,6 +7,8 @@ picture. Flows are taken to be unit tangents or shorter ones.
 
 Filters with a number that comes of the whole picture have no halo here: ``lic`` (its noise fills the array), ``canny``,
 ``mean_shift``; and ``etf`` as soon as it fills tangents, chooses among kernels, or measures its gradient reference.
+
+``factor`` is that by which a filter reduces the picture that it works on (``working_scale.py``), 1, 2 or 4.
 """
 
 from __future__ import annotations
@@ -41,10 +43,10 @@ def flow_blur(sigma: float) -> int:
     return along(radius(sigma))
 
 
-def etf(radius: float, iterations: int, pre_blur: float) -> int:
+def etf(radius: float, iterations: int, pre_blur: float, factor: int = 1) -> int:
     """Return the halo of ETF with a gradient reference that is a number, not adaptive, without fill."""
-    footprint = max(math.ceil(radius) - 1, 0)  # the open disc
-    return blur(pre_blur) + _SOBEL + iterations * footprint
+    footprint = max(math.ceil(radius / factor) - 1, 0)  # the open disc
+    return _brought_up(blur(pre_blur / factor) + _SOBEL + iterations * footprint, factor)
 
 
 def soft_edges(soft_reach: float) -> int:
@@ -53,29 +55,35 @@ def soft_edges(soft_reach: float) -> int:
     return blur(t) + along(steps_across(soft_reach)) + flow_blur(t)
 
 
-def fdog(sigma_m: float, sigma_c: float, soft_reach: float | None = None) -> int:
+def fdog(sigma_m: float, sigma_c: float, soft_reach: float | None = None, factor: int = 1) -> int:
     """Return the halo of eq. 6, or of eqs. 10 and 11: across the flow at every point along it.
 
     ``soft_reach`` is None where soft edges are not looked for.
     """
-    return fdog_iterative(sigma_m, sigma_c, 1, 0, soft_reach)
+    return fdog_iterative(sigma_m, sigma_c, 1, 0, soft_reach, factor)
 
 
 def fdog_iterative(
-    sigma_m: float, sigma_c: float, iterations: int, pre_blur: float, soft_reach: float | None = None
+    sigma_m: float,
+    sigma_c: float,
+    iterations: int,
+    pre_blur: float,
+    soft_reach: float | None = None,
+    factor: int = 1,
 ) -> int:
     """Return the halo of ``iterations`` passes of FDoG, each of a picture that is blurred first.
 
     ``soft_reach`` is as in :func:`fdog`. What soft edges lack comes of the picture without ink.
     """
-    across = blur(pre_blur) + along(dog(sigma_c))
-    soft = 0 if soft_reach is None else soft_edges(soft_reach)
-    return (iterations - 1) * (across + flow_blur(sigma_m)) + max(across, soft) + flow_blur(sigma_m)
+    across = blur(pre_blur / factor) + along(dog(sigma_c / factor))
+    soft = 0 if soft_reach is None else soft_edges(soft_reach / factor)
+    passes = iterations * flow_blur(sigma_m / factor) + (iterations - 1) * across + max(across, soft)
+    return _brought_up(passes, factor)
 
 
-def evidence(sigma_m: float, evidence: float) -> int:
+def evidence(sigma_m: float, evidence: float, factor: int = 1) -> int:
     """Return the halo of looking for evidence, on top of that of FDoG."""
-    return 0 if evidence == 0 else flow_blur(LONGER * sigma_m)
+    return 0 if evidence == 0 else factor * flow_blur(LONGER * sigma_m / factor)
 
 
 def stroke(min_length: float, taper: float) -> int:
@@ -85,9 +93,20 @@ def stroke(min_length: float, taper: float) -> int:
     return blur(smoothing(min_length, taper)) + max(walk, along(across))
 
 
-def fbl(sigma_e: float, sigma_g: float, iterations: int) -> int:
+def fbl(sigma_e: float, sigma_g: float, iterations: int, factor: int = 1) -> int:
     """Return the halo of FBL, or of a bilateral filter along straight lines."""
-    return iterations * (flow_blur(sigma_e) + flow_blur(sigma_g))
+    passes = iterations * (flow_blur(sigma_e / factor) + flow_blur(sigma_g / factor))
+    short_pass = flow_blur(min(sigma_e, factor)) if factor > 1 else 0
+    return _brought_up(passes, factor) + short_pass
+
+
+def _brought_up(pixels: int, factor: int) -> int:
+    """Return the halo at full size of one of ``pixels`` on a picture reduced by ``factor``; without that the same.
+
+    Bringing up reads two reduced pixels to each side, or one whose line is fitted to one more; and a window's edge may
+    cut a block in two.
+    """
+    return pixels if factor == 1 else factor * (pixels + 3)
 
 
 def bilateral_oriented(sigma_e: float, sigma_g: float, iterations: int, kernel: str) -> int:
@@ -109,6 +128,6 @@ def bilateral(sigma_d: float, iterations: int) -> int:
     return iterations * radius(sigma_d)
 
 
-def rolling_guidance(sigma_s: float, iterations: int) -> int:
+def rolling_guidance(sigma_s: float, iterations: int, factor: int = 1) -> int:
     """Return the halo of the Gaussian and ``iterations`` joint bilateral filters over +-ceil(3 sigma_s)."""
-    return (1 + iterations) * radius(sigma_s)
+    return _brought_up((1 + iterations) * radius(sigma_s / factor), factor)

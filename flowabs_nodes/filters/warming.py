@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from flowabs_nodes.errors import ArgumentError, FlowabsError, nearest
 
 _HEIGHT, _WIDTH = 24, 40
 #: Parameters whose default leaves out a kernel that graphs of today use.
-_SWITCHED_ON = {"soft_lines": 1.0}
+_SWITCHED_ON: dict[str, Any] = {"soft_lines": 1.0, "working_scale": "1/2"}
 
 #: Parameters of filters that do nothing by default.
 _BESIDE_DEFAULTS = {"stroke": {"min_length": 4.0}}
@@ -21,7 +22,7 @@ _BESIDE_DEFAULTS = {"stroke": {"min_length": 4.0}}
 def warm_up(*names: str) -> None:
     """Run filters once on a small picture, with default parameters, so that their first use takes no longer.
 
-    What soft outlines need is made ready too.
+    What soft outlines and a working scale need is made ready too.
 
     A program calls it before it starts threads, and before it forks: children share what is loaded, and none of them
     compiles. What is compiled stays on disk. Kernels of other parameters than the defaults (``kernel="separable"``, an

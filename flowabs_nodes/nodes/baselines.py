@@ -103,7 +103,7 @@ BILATERAL_ORIENTED = Node(
     inputs=FBL.inputs,
     outputs=FBL.outputs,
     params=(
-        *(param for param in FBL.params if param.name not in ("sampling", "space")),
+        *(param for param in FBL.params if param.name not in ("sampling", "working_scale", "space")),
         Param.enum("kernel", "line", ORIENTED_KERNELS, help="A straight line, or an arc bent like the flow."),
         *(param for param in FBL.params if param.name in ("sampling", "space")),
     ),

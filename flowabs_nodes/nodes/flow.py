@@ -11,10 +11,12 @@ import numpy as np
 from flowabs_nodes import filters
 from flowabs_nodes.choices import ETF_KERNELS
 from flowabs_nodes.filters import halo
+from flowabs_nodes.filters.working_scale import flow_factor
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.common_params import GROUND, SPACE, sampling
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
 from flowabs_nodes.nodes.regions import pixelwise, within
+from flowabs_nodes.nodes.working_scale import WORKING_SCALE, on_grid
 
 
 def _reference_problem(value: Any) -> str | None:
@@ -30,6 +32,7 @@ def _reference_problem(value: Any) -> str | None:
     return None if number and math.isfinite(value) and value >= 0 else expected
 
 
+@on_grid
 def run_etf(
     context: Context,
     image: Image,
@@ -56,7 +59,9 @@ def run_etf(
 def _etf_halo(params: Mapping[str, Any]) -> int | None:
     if params["fill"] is not None or params["adaptive"] or isinstance(params["gradient_reference"], str):
         return None
-    return halo.etf(params["radius"], params["iterations"], params["pre_blur"])
+    radius, pre_blur = params["radius"], params["pre_blur"]
+    factor = flow_factor(params["working_scale"], radius, pre_blur)
+    return halo.etf(radius, params["iterations"], pre_blur, factor)
 
 
 ETF = Node(
@@ -162,6 +167,7 @@ ETF = Node(
             group="Gradient",
             help="Follow edges of lightness and colour together; false is lightness alone (the paper).",
         ),
+        WORKING_SCALE,
         GROUND,
         SPACE,
     ),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from flowabs_nodes.choices import FDOG_KERNELS, FORMS
 from flowabs_nodes.nodes.common_params import GROUND, SPACE, sampling
 from flowabs_nodes.nodes.declare import Param
+from flowabs_nodes.nodes.working_scale import WORKING_SCALE
 
 FORM = Param.enum(
     "form",
@@ -202,6 +203,7 @@ ALONG_FLOW = (
         help="Eqs. 10 and 11 (fast), or eq. 6 sampled point by point.",
     ),
     sampling("bilinear"),
+    WORKING_SCALE,
     GROUND,
     SPACE,
 )

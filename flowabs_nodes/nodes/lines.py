@@ -14,11 +14,13 @@ import numpy as np
 from flowabs_nodes import filters
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import halo
+from flowabs_nodes.filters.working_scale import lines_factor
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.common_params import GROUND, SPACE
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
 from flowabs_nodes.nodes.line_params import ALONG_FLOW, DIFFERENCE, FORM, SIGMA_M, SOFT, THRESHOLD, XDOG
 from flowabs_nodes.nodes.regions import within
+from flowabs_nodes.nodes.working_scale import on_grid
 
 IMAGE = Port("image", "color", "The picture to draw.")
 FLOW = Port("flow", "flow", "The flow that lines follow.")
@@ -111,6 +113,7 @@ DOG = Node(
 )
 
 
+@on_grid
 def run_fdog(
     context: Context,
     image: Image,
@@ -138,12 +141,14 @@ def _soft_reach(params: Mapping[str, Any]) -> float | None:
 
 
 def _fdog_halo(params: Mapping[str, Any]) -> int:
-    return halo.fdog(params["sigma_m"], params["sigma_c"], _soft_reach(params)) + _halo_after(params)
+    sigma_m, sigma_c = params["sigma_m"], params["sigma_c"]
+    factor = lines_factor(params["working_scale"], sigma_c)
+    return halo.fdog(sigma_m, sigma_c, _soft_reach(params), factor) + _halo_after(params, factor)
 
 
-def _halo_after(params: Mapping[str, Any]) -> int:
+def _halo_after(params: Mapping[str, Any], factor: int) -> int:
     """Return the halo of what follows the response in both nodes."""
-    return halo.evidence(params["sigma_m"], params["evidence"]) + halo.flow_blur(params["smooth"])
+    return halo.evidence(params["sigma_m"], params["evidence"], factor) + halo.flow_blur(params["smooth"])
 
 
 FDOG = Node(
@@ -164,6 +169,7 @@ FDOG = Node(
 )
 
 
+@on_grid
 def run_fdog_iterative(
     context: Context,
     image: Image,
@@ -184,7 +190,8 @@ def run_fdog_iterative(
 
 def _fdog_iterative_halo(params: Mapping[str, Any]) -> int:
     lengths = params["sigma_m"], params["sigma_c"], params["iterations"], params["pre_blur"]
-    return halo.fdog_iterative(*lengths, _soft_reach(params)) + _halo_after(params)
+    factor = lines_factor(params["working_scale"], *lengths[1:])
+    return halo.fdog_iterative(*lengths, _soft_reach(params), factor) + _halo_after(params, factor)
 
 
 FDOG_ITERATIVE = Node(

@@ -7,12 +7,15 @@ from typing import Any
 
 from flowabs_nodes import filters
 from flowabs_nodes.filters import halo
+from flowabs_nodes.filters.working_scale import guidance_factor, regions_factor
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.common_params import SPACE, sampling
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
 from flowabs_nodes.nodes.regions import within
+from flowabs_nodes.nodes.working_scale import WORKING_SCALE, on_grid
 
 
+@on_grid
 def run_fbl(
     context: Context,
     image: Image,
@@ -24,6 +27,7 @@ def run_fbl(
     r_g: float,
     iterations: int,
     sampling: str,
+    working_scale: str,
     space: str,
 ) -> Image:
     # By name and not by **: code values that nobody else wants are held by the filter alone, which can let go of them.
@@ -37,12 +41,15 @@ def run_fbl(
         iterations=iterations,
         sampling=sampling,
         alpha=image.alpha,
+        working_scale=working_scale,
     )
     return image.with_codes(codes, space)
 
 
 def _fbl_halo(params: Mapping[str, Any]) -> int:
-    return halo.fbl(params["sigma_e"], params["sigma_g"], params["iterations"])
+    sigma_e, sigma_g = params["sigma_e"], params["sigma_g"]
+    factor = regions_factor(params["working_scale"], sigma_e, sigma_g)
+    return halo.fbl(sigma_e, sigma_g, params["iterations"], factor)
 
 
 FBL = Node(
@@ -109,6 +116,7 @@ FBL = Node(
         ),
         Param.int("iterations", 5, min=0, max=100, soft=(1, 10), help="How many times both passes run."),
         sampling("nearest"),
+        WORKING_SCALE,
         SPACE,
     ),
     run=run_fbl,
@@ -116,19 +124,33 @@ FBL = Node(
 )
 
 
+@on_grid
 def run_rolling_guidance(
-    context: Context, image: Image, *, sigma_s: float, sigma_r: float, iterations: int, space: str
+    context: Context,
+    image: Image,
+    *,
+    sigma_s: float,
+    sigma_r: float,
+    iterations: int,
+    working_scale: str,
+    space: str,
 ) -> Image:
     if sigma_s == 0:
         return image
     codes = filters.rolling_guidance(
-        image.encoded(space), sigma_s=sigma_s, sigma_r=sigma_r, iterations=iterations, alpha=image.alpha
+        image.encoded(space),
+        sigma_s=sigma_s,
+        sigma_r=sigma_r,
+        iterations=iterations,
+        alpha=image.alpha,
+        working_scale=working_scale,
     )
     return image.with_codes(codes, space)
 
 
 def _rolling_guidance_halo(params: Mapping[str, Any]) -> int:
-    return halo.rolling_guidance(params["sigma_s"], params["iterations"])
+    factor = guidance_factor(params["working_scale"], params["sigma_s"])
+    return halo.rolling_guidance(params["sigma_s"], params["iterations"], factor)
 
 
 ROLLING_GUIDANCE = Node(
@@ -169,6 +191,7 @@ ROLLING_GUIDANCE = Node(
         Param.int(
             "iterations", 3, min=0, max=100, soft=(1, 6), help="How many times edges are restored; 0 is the blur alone."
         ),
+        WORKING_SCALE,
         SPACE,
     ),
     run=run_rolling_guidance,

@@ -22,7 +22,10 @@ from flowabs_nodes.filters.flow import gradient
 from flowabs_nodes.filters.flow.adaptive import kernel_choice, radii
 from flowabs_nodes.filters.flow.etf_passes import smooth
 from flowabs_nodes.filters.flow.fill import flow_fill
+from flowabs_nodes.filters.flow.flow_resolution import enlarged_flow
 from flowabs_nodes.filters.flow.footprint_sums import footprint_passes
+from flowabs_nodes.filters.working_scale import SOBEL, flow_factor, shortened_blur
+from flowabs_nodes.sampling.resolution import reduced
 
 
 def etf(
@@ -35,6 +38,7 @@ def etf(
     fill: float | None = 0.0,
     adaptive: bool = False,
     mask: npt.ArrayLike | None = None,
+    working_scale: str = "full",
 ) -> Array:
     """Return the edge tangent flow, eqs. 1-5: a smooth field of tangents that keeps the directions of strong edges.
 
@@ -68,6 +72,10 @@ def etf(
         the fill, are multiplied by the mask. So a pixel at 0 has no gradient of its own and turns no tangent around it;
         like other holes it is filled from its surroundings. Percentiles of ``gradient_reference`` leave it out. The
         gradient of a pixel beside the mask's edge still sees what lies beyond it.
+    working_scale
+        The size of the picture that is worked on: "full"; "1/2" or "1/4" of its width and height, lengths and
+        quantities per pixel to match, the flow brought back up; or "auto": 1/2 where it leaves the radius at least 10
+        pixels, with ``adaptive`` the least radius, and ``pre_blur`` at least 1; 1/4 where it leaves twice as much.
 
     Returns
     -------
@@ -80,7 +88,16 @@ def etf(
         For another shape or dtype, pixels that are not finite, or a parameter out of range.
     """
     return etf_and_reference(
-        code, radius, iterations, kernel, pre_blur, gradient_reference, fill=fill, adaptive=adaptive, mask=mask
+        code,
+        radius,
+        iterations,
+        kernel,
+        pre_blur,
+        gradient_reference,
+        fill=fill,
+        adaptive=adaptive,
+        mask=mask,
+        working_scale=working_scale,
     )[0]
 
 
@@ -95,6 +112,7 @@ def etf_and_reference(
     fill: float | None,
     adaptive: bool,
     mask: npt.ArrayLike | None = None,
+    working_scale: str = "full",
 ) -> tuple[Array, float]:
     """Return :func:`etf`, and the reference it used: the gradient of full strength, in code values per pixel."""
     code = validate.plane_or_planes("code", code)
@@ -106,6 +124,20 @@ def etf_and_reference(
     fill = None if fill is None else validate.number("fill", fill, min=0)
     adaptive = validate.flag("adaptive", adaptive)
     counts = None if mask is None else validate.matte("mask", mask, code.shape)
+    factor = flow_factor(working_scale, radii(radius)[-1] if adaptive else radius, pre_blur)
+    if factor > 1:
+        small, reference = etf_and_reference(
+            reduced(code, factor),
+            radius / factor,
+            iterations,
+            kernel,
+            shortened_blur(pre_blur, factor, SOBEL),
+            gradient_reference if isinstance(gradient_reference, str) else gradient_reference * factor,
+            fill=None if fill is None else fill * factor,
+            adaptive=adaptive,
+            mask=None if counts is None else reduced(counts, factor),
+        )
+        return enlarged_flow(small, factor, *code.shape[:2]), reference / factor
 
     measured = gradient.measured(code, pre_blur)
     if counts is not None:

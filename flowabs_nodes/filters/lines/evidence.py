@@ -19,12 +19,11 @@ from flowabs_nodes.simd.memory import load, store
 from flowabs_nodes.simd.pixelwise import as_picture, as_run, empty_run, first_pixel, over_pixels
 
 
-def by_evidence(response: Array, flow: Array, sigma_m: float, evidence: float) -> Array:
-    """Return the response H, weaker where it is below 0 and not on the longer stretch too.
+def stretch(response: Array, flow: Array, sigma_m: float) -> Array:
+    """Return -B, (H, W): the ink of a response H along the longer stretch of each pixel's streamline.
 
-    With N = max(-H, 0) and B = G(3 sigma_m) along the flow of N, H becomes -min(N, N^(1 - e/2) B^(e/2)) where H < 0:
-    the geometric mean of N and B for an ``evidence`` e of 1, and H itself for 0. What is above 0 stays. N is read at
-    the nearest pixels: so many make the sum that bilinear samples change the ink by less than a percent.
+    N = max(-H, 0) and B = G(3 sigma_m) along the flow of N, which is read at the nearest pixels: so many make the sum
+    that bilinear samples change the ink by less than a percent.
 
     Parameters
     ----------
@@ -34,20 +33,25 @@ def by_evidence(response: Array, flow: Array, sigma_m: float, evidence: float) -
         (H, W, 2), unit tangents.
     sigma_m
         Sigma along the flow in pixels that H was made with.
-    evidence
-        e, 0 to 1; 0 gives ``response`` itself.
     """
-    if evidence == 0:
-        return response
     drawn = np.empty_like(response)  # -N
 
     def band(first: int, last: int) -> None:
         np.minimum(response[first:last], 0, out=drawn[first:last])
 
     over_rows(band, response.shape[0])
-    stretch = as_run(along(drawn[None], flow, gaussian.half(gaussian.LONGER * sigma_m), "nearest")[0])  # -B
-    run, kept = as_run(response), empty_run(response.size)
-    over_pixels(_weaken, run.size, run, stretch, np.float32(evidence / 2), kept)
+    found: Array = along(drawn[None], flow, gaussian.half(gaussian.LONGER * sigma_m), "nearest")[0]
+    return found
+
+
+def weakened(response: Array, stretch: Array, evidence: float) -> Array:
+    """Return the response H, weaker where it is below 0 and not on the longer stretch too.
+
+    H becomes -min(N, N^(1 - e/2) B^(e/2)) where H < 0: the geometric mean of N and B for an ``evidence`` e of 1, and H
+    itself for 0. What is above 0 stays. ``stretch`` is -B, (H, W), and counts as 0 where it is above.
+    """
+    run, along_it, kept = as_run(response), as_run(stretch), empty_run(response.size)
+    over_pixels(_weaken, run.size, run, along_it, np.float32(evidence / 2), kept)
     return as_picture(kept, *response.shape)
 
 

@@ -12,10 +12,13 @@ from flowabs_nodes.array_types import Array, Float64
 from flowabs_nodes.choices import FDOG_KERNELS, SAMPLINGS
 from flowabs_nodes.filters import gaussian, validate
 from flowabs_nodes.filters.flow.flow_blur import along, as_planes
+from flowabs_nodes.filters.flow.flow_resolution import reduced_flow
 from flowabs_nodes.filters.lines.dog_line import across
-from flowabs_nodes.filters.lines.evidence import by_evidence
+from flowabs_nodes.filters.lines.evidence import stretch, weakened
 from flowabs_nodes.filters.lines.soft_edges import SoftEdges
+from flowabs_nodes.filters.working_scale import READ_TWICE, lines_factor, shortened_blur
 from flowabs_nodes.sampling.exact_sums import exact_sum
+from flowabs_nodes.sampling.resolution import enlarged, reduced
 from flowabs_nodes.simd.elementary import LOG2_E, exp2_of_negative
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import Floats, absolute, maximum, minimum, select, splat_floats, sqrt
@@ -43,6 +46,7 @@ def fdog(
     evidence: float = 0.0,
     soft_lines: float = 0.0,
     soft_reach: float = 7.0,
+    working_scale: str = "full",
 ) -> Array:
     """Return the response H of the FDoG filter, eqs. 6-8, 10, 11: below 0 on dark lines and on the dark side of edges.
 
@@ -85,6 +89,10 @@ def fdog(
     soft_reach
         The blur of the softest edges that get it, sigma in pixels, 1 to 10,000. Edges must be alone over about as many
         pixels to either side. Counts with ``soft_lines``.
+    working_scale
+        The size of the picture that is worked on: "full"; "1/2" or "1/4" of its width and height, sigmas to match, the
+        responses of the channels brought back up; or "auto": 1/2 where it leaves ``sigma_c`` at least 2 pixels, 1/4
+        where it leaves 4.
 
     Returns
     -------
@@ -97,12 +105,14 @@ def fdog(
     """
     code = validate.plane_or_planes("code", code, summed=True)
     flow = validate.flow_field(flow, code.shape)
-    detector = Detector.checked(sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign)
+    detector = Detector.checked(sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign, working_scale)
     evidence = validate.number("evidence", evidence, min=0, max=1)
-    soft = SoftEdges.checked(soft_lines, soft_reach, sigma_c=sigma_c, rho=rho, color_weight=color_weight)
-    planes = as_planes(code if color_weight > 0 or code.ndim == 2 else code[..., 0])
-    response = detector.response(planes, flow, None if soft is None else soft.missing(planes, flow))
-    return by_evidence(response, flow, sigma_m, evidence)
+    soft = SoftEdges.checked(
+        soft_lines, soft_reach, sigma_c=sigma_c, rho=rho, color_weight=color_weight, factor=detector.factor
+    )
+    planes, small_flow = detector.reduced(code, flow)
+    missing = None if soft is None else soft.missing(planes, small_flow)
+    return detector.response(planes, small_flow, code.shape[:2], missing, evidence)
 
 
 @dataclass(frozen=True)
@@ -115,6 +125,8 @@ class Detector:
     full: bool
     sampling: str
     color_sign: bool
+    sigma_m: float  # of the size that is worked on
+    factor: int  # by which the picture is reduced, and lengths are shortened
 
     @classmethod
     def checked(
@@ -126,35 +138,72 @@ class Detector:
         kernel: str,
         sampling: str,
         color_sign: bool,
+        working_scale: str,
+        passes: int = 1,
+        pre_blur: float = 0.0,
     ) -> Detector:
-        """Return the filter with the parameters of :func:`fdog`; raise ArgumentError for a bad one."""
+        """Return the filter with the parameters of :func:`fdog`; raise ArgumentError for a bad one.
+
+        ``passes`` and ``pre_blur`` are those of :func:`~flowabs_nodes.filters.fdog_iterative`, checked.
+        """
         sigma_m = validate.number("sigma_m", sigma_m, min=0, max=10_000)
         sigma_c = validate.number("sigma_c", sigma_c, above=0, max=10_000)
         rho = validate.number("rho", rho, min=0, max=2)
+        factor = lines_factor(working_scale, sigma_c, passes, pre_blur)
+        inner, outer = (shortened_blur(s, factor, READ_TWICE) for s in (sigma_c, gaussian.SURROUND * sigma_c))
         return cls(
-            weights=gaussian.half(sigma_m),
-            taps=gaussian.difference(sigma_c, rho),
+            weights=gaussian.half(sigma_m / factor),
+            taps=gaussian.difference(inner, rho, outer),
             color_weight=validate.number("color_weight", color_weight, min=0, max=1e6),
             full=validate.choice("kernel", kernel, FDOG_KERNELS) == "full",
             sampling=validate.choice("sampling", sampling, SAMPLINGS),
             color_sign=validate.flag("color_sign", color_sign),
+            sigma_m=sigma_m / factor,
+            factor=factor,
         )
 
-    def response(self, planes: Array, flow: Array, missing: Array | None = None) -> Array:
-        """Return H, (H, W), of planes (C, H, W) of code values; without a weight for colour, of the first plane.
+    def reduced(self, code: Array, flow: Array) -> tuple[Array, Array]:
+        """Return the planes (C, h, w) of the channels that count, and the flow, both of the size that is worked on."""
+        counts = code if self.color_weight > 0 or code.ndim == 2 else code[..., 0]
+        return as_planes(reduced(counts, self.factor)), reduced_flow(flow, self.factor)
 
-        ``missing``, (C, H, W), is added to the sums across the flow.
+    def response(
+        self,
+        planes: Array,
+        flow: Array,
+        size: tuple[int, ...],
+        missing: Array | None = None,
+        evidence: float = 0.0,
+    ) -> Array:
+        """Return H, (H, W), of planes (C, h, w) of code values and a flow of the size that is worked on.
+
+        ``size`` is H and W: those of the planes, or of the full picture, to which H is brought up. ``missing``, (C, h,
+        w), is added to the sums across the flow.
         """
-        planes = planes if self.color_weight > 0 else planes[:1]
+        responses = self._of_channels(planes, flow, missing)
+        response = self._joined(self._brought_up(responses, size))
+        if evidence == 0:
+            return response
+        small = response if size == responses.shape[1:] else self._joined(responses)
+        along_it = self._brought_up(stretch(small, flow, self.sigma_m)[None], size)[0]
+        return weakened(response, along_it, evidence)
+
+    def _brought_up(self, planes: Array, size: tuple[int, ...]) -> Array:
+        """Return planes (C, h, w), brought up if ``size`` is that of the full picture."""
+        return planes if size == planes.shape[1:] else enlarged(planes, self.factor, *size)
+
+    def _of_channels(self, planes: Array, flow: Array, missing: Array | None) -> Array:
+        """Return the response of each channel, (C, h, w)."""
         if self.full:
             responses = exact_sum(planes, flow, self.taps, self.weights, self.sampling)  # eq. 6
-            if missing is not None:
-                responses += along(missing, flow, self.weights, self.sampling)
-        else:
-            sums = across(planes, flow, self.taps)  # eq. 10
-            if missing is not None:
-                sums += missing
-            responses = along(sums, flow, self.weights, self.sampling)  # eq. 11
+            return responses if missing is None else responses + along(missing, flow, self.weights, self.sampling)
+        sums = across(planes, flow, self.taps)  # eq. 10
+        if missing is not None:
+            sums += missing
+        return along(sums, flow, self.weights, self.sampling)  # eq. 11
+
+    def _joined(self, responses: Array) -> Array:
+        """Return H, (H, W), of the channels' responses (C, H, W) before evidence is asked for."""
         if self.color_weight == 0:
             first: Array = responses[0]
             return first
@@ -163,7 +212,7 @@ class Detector:
         joined = empty_run(responses[0].size)
         rule = ColorRule(len(responses) > 1, np.float32(self.color_weight), self.color_sign)
         over_pixels(_join_channels, joined.size, *channels, rule, joined)
-        return as_picture(joined, *flow.shape[:2])
+        return as_picture(joined, *responses.shape[1:])
 
 
 class ColorRule(NamedTuple):

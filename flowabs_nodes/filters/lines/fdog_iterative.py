@@ -8,9 +8,7 @@ import numpy.typing as npt
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.choices import FORMS
 from flowabs_nodes.filters import validate
-from flowabs_nodes.filters.flow.flow_blur import as_planes
 from flowabs_nodes.filters.gaussian_blur import blur
-from flowabs_nodes.filters.lines.evidence import by_evidence
 from flowabs_nodes.filters.lines.fdog import Detector
 from flowabs_nodes.filters.lines.soft_edges import SoftEdges
 from flowabs_nodes.filters.lines.threshold import threshold
@@ -40,6 +38,7 @@ def fdog_iterative(
     evidence: float = 0.0,
     soft_lines: float = 0.0,
     soft_reach: float = 7.0,
+    working_scale: str = "full",
 ) -> tuple[Array, Array]:
     """Draw lines by several passes of FDoG: each pass filters the original picture with the last pass's ink over it.
 
@@ -48,9 +47,10 @@ def fdog_iterative(
 
     Parameters
     ----------
-    code, flow, sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign, soft_lines, soft_reach
+    code, flow, sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign, soft_lines, soft_reach, working_scale
         As the parameters of :func:`~flowabs_nodes.filters.fdog`. What soft edges lack is measured once, in the picture
-        without ink, and added in each pass.
+        without ink, and added in each pass. For the ``working_scale`` "auto" and more than one pass 1/2 must also leave
+        ``sigma_c`` and ``pre_blur`` 2.8 pixels together (the root of the sum of their squares), 1/4 twice as much.
     tau, contrast, softness
         As the parameters of :func:`~flowabs_nodes.filters.threshold`.
     iterations
@@ -78,33 +78,43 @@ def fdog_iterative(
     flow = validate.flow_field(flow, code.shape)
     is_xdog = validate.choice("form", form, FORMS) == "xdog"
     rho = xdog_rho(p) if is_xdog else rho
-    detector = Detector.checked(sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign)
     iterations = validate.whole("iterations", iterations, min=1)
     pre_blur = validate.number("pre_blur", pre_blur, min=0, max=10_000)
+    detector = Detector.checked(
+        sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign, working_scale, iterations, pre_blur
+    )
     soft = SoftEdges.checked(
-        soft_lines, soft_reach, sigma_c=sigma_c, rho=rho, color_weight=color_weight, pre_blur=pre_blur
+        soft_lines,
+        soft_reach,
+        sigma_c=sigma_c,
+        rho=rho,
+        color_weight=color_weight,
+        pre_blur=pre_blur,
+        factor=detector.factor,
     )
     evidence = 0.0 if is_xdog else validate.number("evidence", evidence, min=0, max=1)
 
-    def draw(planes: Array, evidence: float = 0.0) -> tuple[Array, Array]:
-        """Return lines and response of one pass."""
-        if pre_blur > 0:
+    sigma = pre_blur / detector.factor
+    original, small_flow = detector.reduced(code, flow)
+
+    def draw(planes: Array, size: tuple[int, ...], evidence: float = 0.0) -> tuple[Array, Array]:
+        """Return lines and response of one pass, of the size that is worked on or of the full one."""
+        if sigma > 0:
             blurred = np.empty_like(planes)
             for plane, result in zip(planes, blurred, strict=True):
-                result[:] = blur(plane, pre_blur)
+                result[:] = blur(plane, sigma)
             planes = blurred
-        response = by_evidence(detector.response(planes, flow, missing), flow, sigma_m, evidence)
+        response = detector.response(planes, small_flow, size, missing, evidence)
         if is_xdog:
             return xdog(response, p, epsilon, phi)
         return threshold(response, tau, contrast, softness), response
 
-    original = as_planes(code if color_weight > 0 or code.ndim == 2 else code[..., 0])
-    missing = None if soft is None else soft.missing(original, flow)
+    missing = None if soft is None else soft.missing(original, small_flow)
     picture = original
     for _ in range(iterations - 1):
-        lines, _ = draw(picture)
+        lines, _ = draw(picture, original.shape[1:])
         picture = _inked(original, lines)
-    return draw(picture, evidence)
+    return draw(picture, code.shape[:2], evidence)
 
 
 def _inked(original: Array, lines: Array) -> Array:

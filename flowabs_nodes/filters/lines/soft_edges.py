@@ -33,18 +33,20 @@ class SoftEdges:
         rho: float,
         color_weight: float,
         pre_blur: float = 0.0,
+        factor: int = 1,
     ) -> SoftEdges | None:
         """Return how soft outlines are drawn, None where ``soft_lines`` is 0; raise ArgumentError for a bad parameter.
 
         ``sigma_c``, ``rho``, ``color_weight`` and ``pre_blur`` are those of the line filter, checked already. An edge
         shall look as a sharp one does after ``pre_blur``, or after a blur of sigma_c where that is less: whatever more
-        blur the filter gets against noise does not make its lines fainter.
+        blur the filter gets against noise does not make its lines fainter. ``factor`` is that by which the picture is
+        reduced; all lengths are those of the full size.
         """
         amount = validate.number("soft_lines", soft_lines, min=0, max=1)
         reach = validate.number("soft_reach", soft_reach, min=1, max=10_000)
         if amount == 0:
             return None
-        each = lengths(reach)
+        each, sigma_c, pre_blur = lengths(reach / factor), sigma_c / factor, pre_blur / factor
         wanted = min(pre_blur, sigma_c)
         numbers = (
             each.t,

@@ -8,6 +8,8 @@ import numpy.typing as npt
 from flowabs_nodes.array_types import Array, Int32
 from flowabs_nodes.choices import SAMPLINGS
 from flowabs_nodes.filters import validate
+from flowabs_nodes.filters.flow.flow_resolution import reduced_flow
+from flowabs_nodes.filters.regions.affine_upsampling import upsampled
 from flowabs_nodes.filters.regions.bilateral_line import line_pass
 from flowabs_nodes.filters.regions.range_weights import (
     Pass,
@@ -25,8 +27,10 @@ from flowabs_nodes.filters.regions.range_weights import (
     store_sums,
     weight_exponents,
 )
+from flowabs_nodes.filters.working_scale import regions_factor, shortened_range
 from flowabs_nodes.sampling.chain_code import decode_offsets, encode_streamlines
 from flowabs_nodes.sampling.coords import Raster, padded_rows, raster_of
+from flowabs_nodes.sampling.resolution import reduced
 from flowabs_nodes.sampling.samples import (
     locate,
     new_sample_coords,
@@ -59,6 +63,7 @@ def fbl(
     iterations: int = 5,
     sampling: str = "nearest",
     alpha: npt.ArrayLike | None = None,
+    working_scale: str = "full",
 ) -> Array:
     """Smooth a picture by eqs. 12-14: C_e along the flow, then C_g across it, ``iterations`` times.
 
@@ -84,6 +89,11 @@ def fbl(
     alpha
         Coverage, (H, W). The weight of every sample is multiplied by its alpha, so that the colour of an uncovered
         pixel never shows. Pixels with alpha 0 or less keep their value. None is 1 everywhere.
+    working_scale
+        The size of the picture that is worked on: "full"; "1/2" or "1/4" of its width and height, sigmas to match, the
+        result brought back up along the edges of ``codes``
+        (:mod:`~flowabs_nodes.filters.regions.affine_upsampling`); or "auto": 1/2 where it leaves ``sigma_e`` at least 4
+        pixels and ``sigma_g`` at least 2, each unless it is 0; 1/4 where it leaves twice as much.
 
     Returns
     -------
@@ -102,10 +112,21 @@ def fbl(
     r_g = validate.number("r_g", r_g, above=0)
     iterations = validate.whole("iterations", iterations, min=0)
     bilinear = validate.choice("sampling", sampling, SAMPLINGS) == "bilinear"
-    covered, raster = partial_coverage(alpha, codes), raster_of(codes)
+    covered, factor = partial_coverage(alpha, codes), regions_factor(working_scale, sigma_e, sigma_g)
+    if factor > 1 and iterations > 0:
+        share = None if covered is None else reduced(covered, factor)
+        small, small_flow = reduced(codes, factor, covered), reduced_flow(flow, factor)
+        sigmas, ranges = (sigma_e / factor, sigma_g / factor), [shortened_range(r, factor) for r in (r_e, r_g)]
+        smoothed = fbl(small, small_flow, sigmas[0], ranges[0], sigmas[1], ranges[1], iterations, sampling, share)
+        codes = upsampled(codes, small, smoothed, factor, covered, share)
+        del small, small_flow, smoothed
+        # Edges have their sharpness from the picture, and with it their grain: a short pass along them takes it out.
+        sigma_e, sigma_g, iterations = min(sigma_e, factor), 0.0, 1
+
+    raster = raster_of(codes)
     passes = []
     if sigma_e > 0 and iterations > 0:
-        passes.append(_pass_along(flow, sigma_e, r_e, bilinear, covered, raster))
+        passes.append(_pass_along(flow, sigma_e, r_e, bilinear, covered, raster, again=iterations > 1))
     if sigma_g > 0:
         passes.append(line_pass(flow, True, None, sigma_g, r_g, bilinear, covered, raster))
     picture = as_records(codes, covered, raster)
@@ -113,11 +134,16 @@ def fbl(
     return run_passes(picture, raster, passes, iterations)
 
 
-def _pass_along(flow: Array, sigma: float, r: float, bilinear: bool, alpha: Array | None, raster: Raster) -> Pass:
-    """Return the pass C_e of eq. 12, over streamlines that are encoded once if they are short and sampled nearest."""
+def _pass_along(
+    flow: Array, sigma: float, r: float, bilinear: bool, alpha: Array | None, raster: Raster, *, again: bool
+) -> Pass:
+    """Return the pass C_e of eq. 12.
+
+    Its streamlines are encoded once if they are short, sampled nearest, and followed ``again``.
+    """
     tangents, weights = padded_rows(flow, raster).view(np.complex64), weight_exponents(sigma, r)
     by_alpha = None if alpha is None else True
-    chain = None if bilinear else encode_streamlines(tangents, weights.spatial.size - 1, raster)
+    chain = None if bilinear or not again else encode_streamlines(tangents, weights.spatial.size - 1, raster)
 
     def smooth(values: Array, smoothed: Array) -> None:
         picture = Records(values, raster, by_alpha)

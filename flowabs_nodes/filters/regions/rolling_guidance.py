@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import gaussian, validate
+from flowabs_nodes.filters.regions.affine_upsampling import upsampled
 from flowabs_nodes.filters.regions.plane_rows import (
     Planes,
     as_codes,
@@ -23,6 +24,8 @@ from flowabs_nodes.filters.regions.range_weights import (
     start_sums,
     weight_exponents,
 )
+from flowabs_nodes.filters.working_scale import guidance_factor, shortened_range
+from flowabs_nodes.sampling.resolution import reduced
 from flowabs_nodes.sampling.samples import Color
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.elementary import exp2_weight
@@ -39,6 +42,7 @@ def rolling_guidance(
     sigma_r: float = 15.0,
     iterations: int = 3,
     alpha: npt.ArrayLike | None = None,
+    working_scale: str = "full",
 ) -> Array:
     """Remove structure smaller than a scale and keep the edges of what is larger.
 
@@ -61,6 +65,11 @@ def rolling_guidance(
     alpha
         Coverage, (H, W). The weight of every pixel is multiplied by its alpha, so that the colour of an uncovered pixel
         never shows. Pixels with alpha 0 or less keep their value. None is 1 everywhere.
+    working_scale
+        The size of the picture that is worked on: "full"; "1/2" or "1/4" of its width and height, ``sigma_s`` to match,
+        the result brought back up along the edges of ``codes``
+        (:mod:`~flowabs_nodes.filters.regions.affine_upsampling`); or "auto": 1/2 where it leaves ``sigma_s`` at
+        least 4 pixels, 1/4 where it leaves 8.
 
     Returns
     -------
@@ -76,8 +85,14 @@ def rolling_guidance(
     sigma_r = validate.number("sigma_r", sigma_r, above=0)
     iterations = validate.whole("iterations", iterations, min=0)
     covered = partial_coverage(alpha, codes)
+    factor = guidance_factor(working_scale, sigma_s)
     if sigma_s == 0:
         return codes.copy()
+    if factor > 1:
+        share, small = None if covered is None else reduced(covered, factor), reduced(codes, factor, covered)
+        range_sigma = shortened_range(sigma_r, factor)
+        smoothed = rolling_guidance(small, sigma_s / factor, range_sigma, iterations, share)
+        return upsampled(codes, small, smoothed, factor, covered, share)
 
     picture, planes = as_plane_rows(codes, covered, gaussian.radius(sigma_s))
     weights, by_alpha = weight_exponents(sigma_s, sigma_r), None if covered is None else True

@@ -1,0 +1,96 @@
+"""Flows of reduced pictures: a flow reduced, and one brought back up, as the double angles (cos 2θ, sin 2θ).
+
+A tangent and its opposite are the same direction; their double angles are the same vector, so means and weighted sums
+of those are what means of directions should be. The result is at half the angle of the sum.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flowabs_nodes.array_types import Array
+from flowabs_nodes.filters.flow.gradient import half_angle
+from flowabs_nodes.sampling.resolution import (
+    Enlargement,
+    cubic_phases,
+    enlarge_row,
+    new_column,
+    planes_to_enlarge,
+    reduced,
+)
+from flowabs_nodes.simd.bands import over_rows
+from flowabs_nodes.simd.jit import kernel
+from flowabs_nodes.simd.lanes import LANES, any_lane, from_doubles, to_doubles
+from flowabs_nodes.simd.memory import load, store_pairs
+from flowabs_nodes.simd.pixelwise import as_picture, as_run, empty_run, first_pixel, over_pixels
+
+
+def reduced_flow(flow: Array, factor: int) -> Array:
+    """Return the mean direction of each block of a flow (H, W, 2), (h, w, 2); zero where a block has none."""
+    if factor == 1:
+        return flow
+    height, width = flow.shape[:2]
+    doubled = np.empty((2, height, width), np.float32)
+    over_rows(_double, height, flow, doubled)
+    c, s = (as_run(reduced(plane, factor)) for plane in doubled)
+    small = empty_run(c.size, 2)
+    over_pixels(_halve, c.size, c, s, small)
+    return as_picture(small, -(-height // factor), -(-width // factor), 2)
+
+
+@kernel
+def _double(first: int, last: int, flow: Array, doubled: Array) -> None:
+    """Write cos 2θ and sin 2θ of the tangents in rows ``first`` .. ``last`` - 1, of any length; 0 where it is 0."""
+    for y in range(first, last):
+        for x in range(flow.shape[1]):
+            tx, ty = np.float64(flow[y, x, 0]), np.float64(flow[y, x, 1])
+            length = tx * tx + ty * ty
+            over = 1.0 / length if length > 0 else 0.0
+            doubled[0, y, x] = (tx * tx - ty * ty) * over
+            doubled[1, y, x] = 2.0 * tx * ty * over
+
+
+@kernel
+def _halve(first: int, last: int, c: Array, s: Array, flow: Array) -> None:
+    """Write the unit tangents at half the angle of (c, s), in blocks ``first`` .. ``last`` - 1 of sixteen pixels."""
+    for block in range(first, last):
+        i = first_pixel(block, c.size)
+        x, y = half_angle(to_doubles(load(c, i)), to_doubles(load(s, i)))
+        store_pairs(flow, 2 * i, (from_doubles(x), from_doubles(y)))
+
+
+def enlarged_flow(flow: Array, factor: int, height: int, width: int) -> Array:
+    """Return a flow of a reduced picture, (h, w, 2), brought up to (height, width, 2), unit tangents.
+
+    Zero tangents count for nothing; where all around are zero the result is zero.
+    """
+    if factor == 1:
+        return flow
+    doubled = np.empty((2, *flow.shape[:2]), np.float32)
+    over_rows(_double, flow.shape[0], flow, doubled)
+    small, how = planes_to_enlarge(doubled, cubic_phases(factor))
+    large = np.empty((height, max(width, LANES), 2), np.float32)
+    over_rows(_enlarge_flow, height, small, how, flow, large.reshape(-1), large.shape[1])
+    return np.ascontiguousarray(large[:, :width])
+
+
+@kernel
+def _enlarge_flow(
+    first: int, last: int, doubled: Array, how: Enlargement, flow: Array, large: Array, stride: int
+) -> None:
+    """Write rows ``first`` .. ``last`` - 1 of a flow brought up; ``large`` is (H, stride, 2), flattened."""
+    column, c = new_column(how), np.empty(how.factor * how.stride, np.float32)
+    s = np.empty_like(c)
+    for y in range(first, last):
+        enlarge_row(doubled[0], y, how, column, c)
+        enlarge_row(doubled[1], y, how, column, s)
+        for x0 in range(0, stride, LANES):
+            x = min(x0, stride - LANES)
+            cos, sin = to_doubles(load(c, x)), to_doubles(load(s, x))
+            tx, ty = half_angle(cos, sin)
+            store_pairs(large, 2 * (y * stride + x), (from_doubles(tx), from_doubles(ty)))
+            if any_lane((cos == 0.0) & (sin == 0.0)):  # opposite double angles, or no tangent: that of the block
+                for lane in range(x, min(x + LANES, how.factor * how.width)):
+                    if c[lane] == 0 and s[lane] == 0:
+                        there = flow[min(y // how.factor, flow.shape[0] - 1), lane // how.factor]
+                        large[2 * (y * stride + lane)], large[2 * (y * stride + lane) + 1] = there[0], there[1]
