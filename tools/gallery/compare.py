@@ -68,7 +68,7 @@ Measured = dict[str, dict[str, Steadiness]]  # by method and picture
 def line_methods() -> tuple[Method, ...]:
     """Return ours, FDoG and isotropic DoG at the paper's values, isotropic DoG with our threshold, and Canny."""
     return (
-        Method("lines", "graph lines, as shipped", _graph("lines", "lines")),
+        Method("lines", "graph lines, as shipped", _graph("lines", "strokes")),
         Method(
             "FDoG, paper's values",
             "3 passes, rho 0.99, tau 0.5, black and white",
