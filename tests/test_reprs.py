@@ -29,7 +29,7 @@ def test_a_graph(name):
 
 def test_a_graph_says_its_file_and_where_its_knobs_stand():
     graph = fa.load_graph("flat").with_set({"levels": 7})
-    assert "flat.json: 6 nodes, knobs: simplify 0.5, levels 7>" in one_line(graph)
+    assert "flat.json: 7 nodes, knobs: simplify 0.5, levels 7, bands 0.5>" in one_line(graph)
     made = fa.load_graph({"format": "flowabs.graph/1", "nodes": {"plate": {"type": "read@1"}}})
     assert one_line(made) == "<RunnableGraph '': 1 node, knobs: none>"
     assert repr(pickle.loads(pickle.dumps(Job(made.document, {"out": ("a.exr",)})))) == "<Job '' -> a.exr>"
@@ -39,7 +39,7 @@ def test_the_parts_of_a_graph():
     graph = fa.load_graph("lines")
     for value in (*graph.nodes.values(), *graph.interface.values()):
         one_line(value)
-    assert repr(graph.nodes["pre"]) == "<GraphNode pre: fbl@1(image=plate.image, flow=flow.flow)>"
+    assert repr(graph.nodes["pre"]) == "<GraphNode pre: fbl@1(image=broad.image, flow=flow.flow)>"
     assert repr(graph.interface["line_width"]) == "<Knob line_width = 1.0: a number from 0.5 to 2.5 (px)>"
 
 

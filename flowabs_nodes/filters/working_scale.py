@@ -13,7 +13,6 @@ from __future__ import annotations
 import math
 
 from flowabs_nodes.choices import WORKING_SCALES
-from flowabs_nodes.filters import validate
 
 _FACTORS = {"full": 1, "1/2": 2, "1/4": 4}
 
@@ -60,6 +59,8 @@ def _factor(working_scale: str, *lengths: tuple[float, float]) -> int:
     Limits are in pixels of a picture reduced by 2. By 4 what is fine at full size gets lost as well, unless lengths are
     twice as long there too.
     """
+    from flowabs_nodes.filters import validate  # what numba compiles is not imported for a declaration
+
     if validate.choice("working_scale", working_scale, WORKING_SCALES) != "auto":
         return _FACTORS[working_scale]
     fitting = (each for each in (4, 2) if all(length >= limit * each**2 / 2 for length, limit in lengths))

@@ -149,9 +149,9 @@ def test_a_key_holds_those_of_all_frames_that_are_read():
 @pytest.mark.parametrize(
     ("name", "keys"),
     [
-        ("lines", {"flow": "a2d7638c457f", "lines": "1157f05f606f", "out": "cdb10536f127"}),
-        ("abstraction_hdr", {"flow": "412476b73264", "comp": "24fe8b03ccb1", "out": "f8476534f025"}),
-        ("flat", {"flow": "7cd5aedb47df", "out": "f602210b7a38"}),
+        ("lines", {"flow": "434499819211", "lines": "a1d985e3820a", "out": "01c7a1e5975b"}),
+        ("abstraction_hdr", {"flow": "815c7dd7f35e", "comp": "5ccd5703bfb6", "out": "54c8e3013e48"}),
+        ("flat", {"flow": "bb967e6188b0", "out": "cf7524b68be1"}),
     ],
 )
 def test_keys_of_released_graphs_stay(name, keys, monkeypatch):

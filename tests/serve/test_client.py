@@ -123,12 +123,12 @@ def test_only_what_was_asked_for_is_computed_and_only_what_changed(client):
         if event["event"] == "node" and event["status"] == "started" and event["type"]:
             nodes.append(event["node"])
 
-    assert ran(["lines"]) == {"flow", "pre", "lines"}
+    assert ran(["lines"]) == {"broad", "flow_shoulder", "flow", "pre", "ink_shoulder", "lines"}
     assert ran(["comp"]) == {"smooth", "flat", "comp"}
     assert ran(["comp"], ink_opacity=0.5) == {"comp"}
     assert ran(["comp"]) == set()
     client.forget("tuned")
-    assert ran(["lines"]) == {"flow", "pre", "lines"}
+    assert ran(["lines"]) == {"broad", "flow_shoulder", "flow", "pre", "ink_shoulder", "lines"}
 
 
 def test_one_channel_goes_where_a_color_does_and_is_grey(client, graph):
