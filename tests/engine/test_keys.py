@@ -149,8 +149,8 @@ def test_a_key_holds_those_of_all_frames_that_are_read():
 @pytest.mark.parametrize(
     ("name", "keys"),
     [
-        ("lines", {"flow": "434499819211", "lines": "a1d985e3820a", "out": "01c7a1e5975b"}),
-        ("abstraction_hdr", {"flow": "815c7dd7f35e", "comp": "5ccd5703bfb6", "out": "54c8e3013e48"}),
+        ("lines", {"flow": "377c0f43997a", "lines": "6725f5ef41ab", "out": "e549c446b9b6"}),
+        ("abstraction_hdr", {"flow": "d9e6bfce8e27", "comp": "94f7d3cb28bf", "out": "425af90cc5b3"}),
         ("flat", {"flow": "bb967e6188b0", "out": "cf7524b68be1"}),
     ],
 )
