@@ -69,7 +69,7 @@ def test_a_driven_parameter_says_so(tree_of: Any) -> None:
     assert said == {"sigma_c": "1 (line_width)", "contrast": "0.55 (line_amount, mapped)"}
     tree["line_amount"] = 0.25
     assert node_drawing._driven_value(node, declared["contrast"], driving.driven_by(node, declared["contrast"])) == (
-        "2.4 (line_amount, mapped)"
+        "1.9 (line_amount, mapped)"
     )
 
 
