@@ -1,11 +1,11 @@
-"""Take a picture of a graph in Blender's node editor, for the docs; Blender itself runs this, in a window.
+"""Take a picture of a graph in Blender's node editor beside its result, for the docs; Blender runs this, in a window.
 
 With the package installed for the Python that Blender has (Debian's Blender has the system's)::
 
-    PYTHONPATH=PACKAGES blender --python-use-system-env --factory-startup --window-geometry 0 0 1600 800 \
+    PYTHONPATH=PACKAGES blender --python-use-system-env --factory-startup --window-geometry 0 0 1800 1000 \
         --python plugins/blender/screenshot.py -- abstraction docs/pictures/blender.png
 
-Without a display: ``LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -s '-screen 0 1600x800x24 +extension GLX' blender ...``.
+Without a display: ``LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -s '-screen 0 1800x1000x24 +extension GLX' blender ...``.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ import bpy
 sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[2])]
 
 PAUSE = 0.7  # seconds in which Blender draws
+PLATE = Path(__file__).parents[2] / "docs" / "pictures" / "coffee.exr"
 
 
 def steps(preset: str, file: Path) -> Iterator[None]:
@@ -28,36 +29,38 @@ def steps(preset: str, file: Path) -> Iterator[None]:
     import flowabs_blender
     from flowabs_blender import knobs_panel
 
-    for panel in knobs_panel.CLASSES:  # a script cannot choose a tab of the sidebar: the first one is shown
-        panel.bl_category = "Node"
+    for panel in knobs_panel.CLASSES:  # a script cannot choose a tab of the sidebar: Tool is the one that is shown
+        panel.bl_category = "Tool"
     flowabs_blender.register()
     area = _largest()
     area.type = "NODE_EDITOR"
     area.ui_type = "FlowabsTree"
     yield
-    with _in_editor():
+    with _inside(area):
         bpy.ops.flowabs.new_from_preset(preset=preset)
     tree = area.spaces.active.node_tree
+    tree.nodes.active = tree.nodes.get("lines", tree.nodes[0])
+    result = flowabs_blender.run(tree, str(PLATE))
+    yield
+    with _inside(area):
+        bpy.ops.screen.area_split(direction="VERTICAL", factor=0.62)
+    graph, picture = sorted((each for each in _window().screen.areas if each.type == "NODE_EDITOR"), key=lambda a: a.x)
+    graph.spaces.active.show_region_ui = True
+    picture.type = "IMAGE_EDITOR"
+    picture.spaces.active.image = result
+    yield
+    with _inside(picture):
+        bpy.ops.image.view_all(fit_view=True)
     for node in tree.nodes:
         node.select = True
-    tree.nodes.active = tree.nodes.get("lines", tree.nodes[0])
-    area.spaces.active.show_region_ui = True
-    yield
-    with _in_editor():
-        bpy.ops.screen.screen_full_area(use_hide_panels=False)
-    yield
-    with _in_editor():
+    with _inside(graph):
         bpy.ops.node.view_selected()
     yield
-    for _ in range(4):
-        with _in_editor():
-            bpy.ops.view2d.zoom_in()
-        yield
     for node in tree.nodes:
         node.select = node == tree.nodes.active
     yield
-    with _in_editor():
-        bpy.ops.screen.screenshot_area(filepath=str(file.resolve()))
+    with _inside(graph):
+        bpy.ops.screen.screenshot(filepath=str(file.resolve()))
 
 
 def _window() -> Any:
@@ -68,8 +71,7 @@ def _largest() -> Any:
     return max(_window().screen.areas, key=lambda area: area.width * area.height)
 
 
-def _in_editor() -> Any:
-    area = _largest()
+def _inside(area: Any) -> Any:
     region = next(region for region in area.regions if region.type == "WINDOW")
     return bpy.context.temp_override(window=_window(), area=area, region=region)
 

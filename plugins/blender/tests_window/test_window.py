@@ -24,7 +24,7 @@ def test_the_picture_of_the_docs(blender: Callable[..., str], tmp_path: Path) ->
     picture = tmp_path / "docs.png"
     blender(CHECKOUT / "plugins" / "blender" / "screenshot.py", "abstraction", str(picture))
     pixels = oiio.ImageBuf(str(picture)).get_pixels(oiio.UINT8)
-    assert pixels.shape[:2] == (672, 1280), "the node editor fills the window but for Blender's two bars"
+    assert pixels.shape[:2] == (720, 1280), "the whole window"
     assert len(np.unique(pixels.reshape(-1, pixels.shape[2]), axis=0)) > 500
 
 
