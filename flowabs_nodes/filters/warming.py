@@ -13,16 +13,20 @@ from flowabs_nodes.errors import ArgumentError, FlowabsError, nearest
 
 _HEIGHT, _WIDTH = 24, 40
 #: Parameters whose default leaves out a kernel that graphs of today use.
-_SWITCHED_ON: dict[str, Any] = {"soft_lines": 1.0, "working_scale": "1/2"}
-
-#: Parameters of filters that do nothing by default.
-_BESIDE_DEFAULTS = {"stroke": {"min_length": 4.0}}
+_SWITCHED_ON: dict[str, Any] = {
+    "soft_lines": 1.0,
+    "evidence": 1.0,
+    "working_scale": "1/2",
+    "by_gradient": 1.0,
+    "min_length": 4.0,
+}
 
 
 def warm_up(*names: str) -> None:
     """Run filters once on a small picture, with default parameters, so that their first use takes no longer.
 
-    What soft outlines and a working scale need is made ready too.
+    What the options of the graphs that come with the package need is made ready too, though they are off by default:
+    soft outlines, evidence, a working scale, steps by the gradient, a stroke's length.
 
     A program calls it before it starts threads, and before it forks: children share what is loaded, and none of them
     compiles. What is compiled stays on disk. Kernels of other parameters than the defaults (``kernel="separable"``, an
@@ -51,7 +55,7 @@ def warm_up(*names: str) -> None:
         needed = {each.name: pictures[each.name] for each in given if each.default is each.empty}
         needed |= {each.name: _SWITCHED_ON[each.name] for each in given if each.name in _SWITCHED_ON}
         try:
-            function(**needed, **_BESIDE_DEFAULTS.get(name, {}))
+            function(**needed)
         except FlowabsError as error:
             if names or error.code != "missing-package":
                 raise

@@ -1,5 +1,6 @@
 """Filters that are made ready ahead, and programs that fork: before, while and after another thread compiles."""
 
+import functools
 import os
 import subprocess
 import sys
@@ -20,6 +21,23 @@ def test_every_filter_can_be_warmed_up():
     for name in ("etf", "fdog", "xdog_rho"):
         filters.warm_up(name)
     assert {picture.shape[:2] for picture in pictures.values() if hasattr(picture, "shape")} == {(24, 40)}
+
+
+@pytest.mark.parametrize(
+    ("name", "option"),
+    [("fdog", "evidence"), ("fdog", "soft_lines"), ("quantize", "by_gradient"), ("stroke", "min_length")],
+)
+def test_what_is_off_by_default_is_made_ready_too(name, option, monkeypatch):
+    filter, given = getattr(filters, name), {}
+
+    @functools.wraps(filter)
+    def noted(*arguments, **parameters):
+        given.update(parameters)
+        return filter(*arguments, **parameters)
+
+    monkeypatch.setattr(filters, name, noted)
+    filters.warm_up(name)
+    assert given[option] > 0
 
 
 def test_a_name_that_is_no_filter_is_refused():
