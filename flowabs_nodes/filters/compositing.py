@@ -60,38 +60,27 @@ def composite(
     if isinstance(ink, np.ndarray) and ink.ndim == 3:
         colors = validate.planes("ink", ink, check_finite=False)
         validate.plane("ink", colors[..., 0], rgb.shape, check_finite=False)  # the size of the picture
-        return inked_in_colors(rgb, lines, colors, opacity, coverage)
+        return inked(rgb, lines, (0.0, 0.0, 0.0, opacity), coverage, colors)
     color = tuple(validate.number("ink", value) for value in ink)
     if len(color) != 3:
         raise ArgumentError(f"ink: expected three numbers, found {len(color)}", parameter="ink")
     return inked(rgb, lines, (*color, opacity), coverage)
 
 
-def inked(pixels: Array, lines: Array, ink: InkColor, alpha: Array | None = None) -> Array:
+def inked(pixels: Array, lines: Array, ink: InkColor, alpha: Array | None = None, colors: Array | None = None) -> Array:
     """Return a picture with ink over it: (H, W, 3), or (H, W, 4) with an alpha of its own, which stays as it was.
 
-    Parameters are those of :func:`composite`, checked but for finiteness: ArgumentError if a pixel is not finite.
+    ``colors``, (H, W, 3), is an ink of each pixel's own, of which ``ink`` has the opacity. Parameters are else those of
+    :func:`composite`, checked but for finiteness: ArgumentError if a pixel is not finite.
     """
     channels = pixels.shape[2]
-    drawing, coverage = as_run(lines), np.empty(0, np.float32) if alpha is None else as_run(alpha)
-    result = empty_run(lines.size, channels)
+    absent = np.empty(0, np.float32)
+    coverage = absent if alpha is None else as_run(alpha)
+    inks = absent if colors is None else as_run(colors, 3)
+    drawing, result = as_run(lines), empty_run(lines.size, channels)
     picture = as_picture(result, *pixels.shape)
-    if any(over_pixels(_composite, drawing.size, as_run(pixels, channels), channels, drawing, ink, coverage, result)):
-        for name, array in (("rgb", pixels), ("lines", lines), ("alpha", alpha)):
-            if array is not None:
-                refuse_non_finite(name, array)
-        refuse_overflow("rgb" if alpha is None else "alpha", pixels if alpha is None else alpha, picture)
-    return picture
-
-
-def inked_in_colors(pixels: Array, lines: Array, colors: Array, opacity: float, alpha: Array | None = None) -> Array:
-    """Return what :func:`inked` does, with an ink of its own for each pixel, ``colors`` (H, W, 3)."""
-    channels = pixels.shape[2]
-    drawing, coverage = as_run(lines), np.empty(0, np.float32) if alpha is None else as_run(alpha)
-    result = empty_run(lines.size, channels)
-    picture = as_picture(result, *pixels.shape)
-    run, inks = as_run(pixels, channels), as_run(colors, 3)
-    if any(over_pixels(_composite_colors, drawing.size, run, channels, drawing, inks, opacity, coverage, result)):
+    run = as_run(pixels, channels)
+    if any(over_pixels(_composite, drawing.size, run, channels, drawing, ink, inks, coverage, result)):
         for name, array in (("rgb", pixels), ("lines", lines), ("ink", colors), ("alpha", alpha)):
             if array is not None:
                 refuse_non_finite(name, array)
@@ -101,12 +90,20 @@ def inked_in_colors(pixels: Array, lines: Array, colors: Array, opacity: float, 
 
 @kernel
 def _composite(
-    first: int, last: int, pixels: Array, channels: int, lines: Array, ink: InkColor, alpha: Array, result: Array
+    first: int,
+    last: int,
+    pixels: Array,
+    channels: int,
+    lines: Array,
+    ink: InkColor,
+    colors: Array,
+    alpha: Array,
+    result: Array,
 ) -> bool:
     """Write the blocks of sixteen pixels ``first`` .. ``last`` - 1, and return whether one is not finite.
 
-    ``pixels`` and ``result`` are (H, W, channels) flattened, ``lines`` and ``alpha`` (H, W); an empty ``alpha`` stands
-    for the picture's own, or 1.
+    ``pixels`` and ``result`` are (H, W, channels) flattened, ``lines`` and ``alpha`` (H, W), ``colors`` (H, W, 3). An
+    empty ``alpha`` stands for the picture's own, or 1, and empty ``colors`` for ``ink`` everywhere.
     """
     total = splat_floats(0.0)
     for block in range(first, last):
@@ -114,38 +111,10 @@ def _composite(
         r, g, b, a = load_rgba(pixels, channels, i)
         if alpha.size > 0:
             a = load(alpha, i)
-        line = load(lines, i)
-        r, g, b = over(r, g, b, a, line, ink)  # not finite if one of these is not
-        total = total + (zero_or_nan(r) + zero_or_nan(g) + zero_or_nan(b))
-        if channels == 4:
-            store_quads(result, 4 * i, (r, g, b, a))
-        else:
-            store_triples(result, 3 * i, (r, g, b))
-    found: bool = any_nan(total)
-    return found
-
-
-@kernel
-def _composite_colors(
-    first: int,
-    last: int,
-    pixels: Array,
-    channels: int,
-    lines: Array,
-    colors: Array,
-    opacity: float,
-    alpha: Array,
-    result: Array,
-) -> bool:
-    """Write what :func:`_composite` does; ``colors`` is the ink of each pixel, (H, W, 3) flattened."""
-    total = splat_floats(0.0)
-    for block in range(first, last):
-        i = first_pixel(block, lines.size)
-        r, g, b, a = load_rgba(pixels, channels, i)
-        if alpha.size > 0:
-            a = load(alpha, i)
-        red, green, blue = load_triples(colors, 3 * i)
-        r, g, b = over(r, g, b, a, load(lines, i), (red, green, blue, opacity))
+        red, green, blue = splat_floats(ink[0]), splat_floats(ink[1]), splat_floats(ink[2])
+        if colors.size > 0:
+            red, green, blue = load_triples(colors, 3 * i)
+        r, g, b = over(r, g, b, a, load(lines, i), (red, green, blue, ink[3]))  # not finite if one of these is not
         total = total + (zero_or_nan(r) + zero_or_nan(g) + zero_or_nan(b))
         if channels == 4:
             store_quads(result, 4 * i, (r, g, b, a))

@@ -45,9 +45,9 @@ def run_composite(
         if space != "linear":
             results["image"] = image.with_codes(_mixed_in_code_values(image, drawing, chosen, opacity, space), space)
         elif isinstance(chosen, np.ndarray):
-            from flowabs_nodes.filters.compositing import inked_in_colors
+            from flowabs_nodes.filters.compositing import inked
 
-            results["image"] = image.with_pixels(inked_in_colors(image.pixels, drawing, chosen, opacity))
+            results["image"] = image.with_pixels(inked(image.pixels, drawing, (0.0, 0.0, 0.0, opacity), colors=chosen))
         else:
             results["image"] = with_operation(image, Ink(drawing, chosen, opacity))
     if "ink" in wanted:
