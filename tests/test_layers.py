@@ -17,11 +17,7 @@ FLOORS = (
     ("simd", "signals"),
     ("sampling",),
     ("color", "filters"),
-    (
-        *("image", "image_arrays", "image_buffer", "image_channels", "image_convert", "image_exchange"),
-        *("image_light", "image_numbers", "image_parts", "image_preview", "image_state"),
-        *("array_kind", "encodings", "port_types"),
-    ),
+    ("image", "array_kind", "encodings", "port_types"),
     ("io",),
     ("finishing", "comp", "looking"),
     ("nodes",),

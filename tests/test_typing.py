@@ -31,7 +31,7 @@ KNOWN = {
     "graph": "RunnableGraph",
     "plate": "Image",
     "plate.spec": "OpenImageIO.ImageSpec",
-    "out": "dict[str, flowabs_nodes.image.Image]",
+    "out": "dict[str, flowabs_nodes.image.image.Image]",
     "report": "Report",
     "report.frames[0].error": "FlowabsError | None",
     "report.counts": "dict[str, int]",

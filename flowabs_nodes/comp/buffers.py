@@ -10,7 +10,7 @@ import OpenImageIO as oiio
 
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ArgumentError, FlowabsError
-from flowabs_nodes.image_convert import imagebuf_of
+from flowabs_nodes.image.convert import imagebuf_of
 
 #: OpenImageIO's operations on whole pictures.
 ALGO = oiio.ImageBufAlgo

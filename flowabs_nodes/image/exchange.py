@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any, Self, TypeVar, overload
 import numpy.typing as npt
 import OpenImageIO as oiio
 
-from flowabs_nodes import image_arrays, image_convert
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.color import ColorSpace
 from flowabs_nodes.errors import ArgumentError
-from flowabs_nodes.image_arrays import Memory, Said, Shown
-from flowabs_nodes.image_channels import Channels
+from flowabs_nodes.image import arrays, convert
+from flowabs_nodes.image.arrays import Memory, Said, Shown
+from flowabs_nodes.image.channels import Channels
 from flowabs_nodes.port_types import PortType
 
 Out = TypeVar("Out")
@@ -98,7 +98,7 @@ class Exchange:
         if isinstance(array, Exchange):
             raise ArgumentError("array: expected numbers, found an Image, which needs no making", parameter="array")
         source, said = Memory(array, shape, row_bytes, dtype, rows), Said(colorspace, encoding, alpha)
-        parts, space = image_arrays.parts_of_array(source, type, channels, said, (data_window, display_window))
+        parts, space = arrays.parts_of_array(source, type, channels, said, (data_window, display_window))
         return cls(*parts, colorspace=space)
 
     @overload
@@ -174,10 +174,10 @@ class Exchange:
         said, names = Said(colorspace, encoding, alpha), tuple(self.spec.channelnames)
         image = Shown(self.pixels, names, self.type, self.colorspace)
         if out is None and row_bytes is None:
-            return image_arrays.array_of(image, said, rows, dtype, channels)
+            return arrays.array_of(image, said, rows, dtype, channels)
         if out is None:
             raise ArgumentError("row_bytes: expected a flat buffer as out, found none", parameter="row_bytes")
-        image_arrays.fill(Memory(out, None, row_bytes, dtype, rows), image, said, channels)
+        arrays.fill(Memory(out, None, row_bytes, dtype, rows), image, said, channels)
         return out
 
     @classmethod
@@ -202,7 +202,7 @@ class Exchange:
         Raises ArgumentError for a buffer without pixels, with an error, deep samples or several planes, and for one
         without the channels of ``type``; ColorError as :meth:`from_array`.
         """
-        parts, space = image_convert.parts_of_imagebuf(buf, colorspace, type, layer)
+        parts, space = convert.parts_of_imagebuf(buf, colorspace, type, layer)
         return cls(*parts, colorspace=space)
 
     def to_imagebuf(self) -> oiio.ImageBuf:
@@ -210,5 +210,5 @@ class Exchange:
 
         What the metadata say of colours is true of these pixels, scene-linear and premultiplied.
         """
-        spec = image_convert.true_of_light(self.spec, self.type, self.colorspace)
-        return image_convert.imagebuf_of(self.pixels, spec)
+        spec = convert.true_of_light(self.spec, self.type, self.colorspace)
+        return convert.imagebuf_of(self.pixels, spec)

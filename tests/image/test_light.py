@@ -10,8 +10,8 @@ import pytest
 from flowabs_nodes import color
 from flowabs_nodes.color import ocio, srgb
 from flowabs_nodes.errors import ColorError
-from flowabs_nodes.image_light import decoded, encode_to
-from flowabs_nodes.image_numbers import meaning
+from flowabs_nodes.image.light import decoded, encode_to
+from flowabs_nodes.image.numbers import meaning
 from flowabs_nodes.simd.bands import limited
 
 RANDOM = np.random.default_rng(4)

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from flowabs_nodes.errors import ArgumentError
-from flowabs_nodes.image_channels import layout, picks
+from flowabs_nodes.image.channels import layout, picks
 from flowabs_nodes.port_types import TYPES
 
 RGBA = ("R", "G", "B", "A")

@@ -1,7 +1,7 @@
 """Bring the numbers of a host's picture to those of an image, and back.
 
 An image's are float32, scene-linear and premultiplied. What a host's mean is in
-:class:`~flowabs_nodes.image_numbers.Numbers`.
+:class:`~flowabs_nodes.image.numbers.Numbers`.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from flowabs_nodes.array_types import Array
 from flowabs_nodes.color.encoding import Encoding
 from flowabs_nodes.color.spaces import ColorSpace, convert
 from flowabs_nodes.errors import ColorError
-from flowabs_nodes.image_numbers import Numbers
+from flowabs_nodes.image.numbers import Numbers
 from flowabs_nodes.simd.bands import limited, over_rows
 
 _LEAST = 16  # rows that are worth a thread

@@ -6,7 +6,7 @@ import pytest
 
 from flowabs_nodes.color import srgb
 from flowabs_nodes.image import Image
-from flowabs_nodes.image_preview import LARGEST
+from flowabs_nodes.image.preview import LARGEST
 from flowabs_nodes.port_types import TYPES
 
 

@@ -17,7 +17,7 @@ from flowabs_nodes import __version__
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.color import ColorSpace
 from flowabs_nodes.errors import FlowabsError
-from flowabs_nodes.image_parts import Origin, Parts
+from flowabs_nodes.image.parts import Origin, Parts
 
 FORMAT = 1  # raised whenever what `packed` returns changes
 

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from flowabs_nodes.errors import ArgumentError, ColorError
-from flowabs_nodes.image_numbers import meaning
+from flowabs_nodes.image.numbers import meaning
 
 
 @pytest.mark.parametrize(

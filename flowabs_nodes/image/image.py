@@ -8,11 +8,12 @@ import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio
 
-from flowabs_nodes import color, encodings, image_convert, image_preview, image_state
+from flowabs_nodes import color, encodings
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ArgumentError
-from flowabs_nodes.image_exchange import Exchange
-from flowabs_nodes.image_parts import Origin, PixelSource, Window, as_pixels, check_parts, with_channels
+from flowabs_nodes.image import convert, preview, state
+from flowabs_nodes.image.exchange import Exchange
+from flowabs_nodes.image.parts import Origin, PixelSource, Window, as_pixels, check_parts, with_channels
 from flowabs_nodes.port_types import PORT_TYPES, PortType, pixel_type
 from flowabs_nodes.simd.read_only import read_only
 
@@ -85,11 +86,11 @@ class Image(Exchange):
         return self._with_source(self._source)
 
     def __getstate__(self) -> dict[str, Any]:
-        return image_state.packed(self.pixels, self._spec, self.type, self.colorspace, self.origin)
+        return state.packed(self.pixels, self._spec, self.type, self.colorspace, self.origin)
 
-    def __setstate__(self, state: Any) -> None:
+    def __setstate__(self, packed: Any) -> None:
         """Become the image that was pickled; FlowabsError for one of a version that is not known here."""
-        parts, colorspace, origin = image_state.unpacked(state)
+        parts, colorspace, origin = state.unpacked(packed)
         Image.__init__(self, *parts, colorspace=colorspace, origin=origin)
 
     # ------------------------------------------------------------------ header
@@ -124,8 +125,8 @@ class Image(Exchange):
         )
 
     def _repr_png_(self) -> bytes:
-        """Return a small picture of the image, which notebooks show: see :mod:`flowabs_nodes.image_preview`."""
-        return image_preview.png(self.pixels, pixel_type(self.type), self.colorspace)
+        """Return a small picture of the image, which notebooks show: see :mod:`flowabs_nodes.image.preview`."""
+        return preview.png(self.pixels, pixel_type(self.type), self.colorspace)
 
     # ------------------------------------------------------------------ pixels and code values
 
@@ -253,7 +254,7 @@ class Image(Exchange):
         """Return the image on another data window: cut, and its type's value for outside where it had no pixels."""
         if window == self.data_window:
             return self
-        pixels = image_convert.on_window(self.pixels, self.data_window, window, pixel_type(self.type).outside)
+        pixels = convert.on_window(self.pixels, self.data_window, window, pixel_type(self.type).outside)
         spec = self.spec
         spec.x, spec.y, spec.width, spec.height = window
         return Image(pixels, spec, self.type, colorspace=self.colorspace, origin=self.origin)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from flowabs_nodes.errors import ArgumentError
-from flowabs_nodes.image_buffer import picture_in
+from flowabs_nodes.image.buffer import picture_in
 
 HEIGHT, WIDTH, CHANNELS = 3, 5, 4
 SHAPE = (HEIGHT, WIDTH, CHANNELS)

@@ -8,13 +8,14 @@ from __future__ import annotations
 import numpy as np
 import OpenImageIO as oiio
 
-from flowabs_nodes import color, image_light, image_numbers
+from flowabs_nodes import color
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.color import ColorSpace, dpx
 from flowabs_nodes.color.detection import forget, without_stale
 from flowabs_nodes.errors import ArgumentError, ColorError
-from flowabs_nodes.image_numbers import Numbers
-from flowabs_nodes.image_parts import Parts, Window, with_channels
+from flowabs_nodes.image import light
+from flowabs_nodes.image.numbers import Numbers, meaning
+from flowabs_nodes.image.parts import Parts, Window, with_channels
 from flowabs_nodes.port_types import TYPES, PortType, pixel_type
 
 #: OpenImageIO's data types of whole numbers; those of photographs, which are sRGB unless their header says else.
@@ -41,7 +42,7 @@ def parts_of_imagebuf(
     straight = spec.get_int_attribute(_STRAIGHT[0]) != 0
     if pixel_type(parts.type).light and (straight or numbers.encoding is not None):
         numbers = Numbers(numbers.space, numbers.encoding, straight, True, numbers.kept)
-        parts = parts._replace(pixels=image_light.decoded(parts.pixels, numbers))
+        parts = parts._replace(pixels=light.decoded(parts.pixels, numbers))
         for name in _STRAIGHT:
             parts.spec.erase_attribute(name)
     return parts, numbers.kept
@@ -72,7 +73,7 @@ def _checked(buf: oiio.ImageBuf) -> oiio.ImageSpec:
 def _numbers(buf: oiio.ImageBuf, spec: oiio.ImageSpec, colorspace: ColorSpace | str | None) -> Numbers:
     """Return what the numbers of a buffer mean: as ``colorspace`` says, or else its header."""
     if colorspace is not None and colorspace != "auto":
-        return image_numbers.meaning(colorspace, None, None, floats=True)
+        return meaning(colorspace, None, None, floats=True)
     if not spec.get_string_attribute("oiio:ColorSpace") and dpx.declares(spec):
         found = color.detect(spec, dpx.declared(spec)[0])
     else:

@@ -8,9 +8,10 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 
-from flowabs_nodes import color, image_state
+from flowabs_nodes import color
 from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.image import Image, Origin
+from flowabs_nodes.image import state as image_state
 from tests.engine.fakes import picture
 
 ATTRIBUTES = {

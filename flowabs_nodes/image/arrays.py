@@ -13,17 +13,18 @@ import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio
 
-from flowabs_nodes import image_light, image_numbers
 from flowabs_nodes.color import ColorSpace
 from flowabs_nodes.errors import ArgumentError
-from flowabs_nodes.image_buffer import data_type, picture_in
-from flowabs_nodes.image_channels import Channels, layout, picks
-from flowabs_nodes.image_parts import Parts, Window, with_channels
+from flowabs_nodes.image import light
+from flowabs_nodes.image.buffer import data_type, picture_in
+from flowabs_nodes.image.channels import Channels, layout, picks
+from flowabs_nodes.image.numbers import Numbers, meaning
+from flowabs_nodes.image.parts import Parts, Window, with_channels
 from flowabs_nodes.port_types import PortType, pixel_type
 
 
 class Memory(NamedTuple):
-    """The memory of a host's picture: the arguments of :func:`~flowabs_nodes.image_buffer.picture_in`."""
+    """The memory of a host's picture: the arguments of :func:`~flowabs_nodes.image.buffer.picture_in`."""
 
     memory: Any
     shape: Sequence[int] | None
@@ -33,7 +34,7 @@ class Memory(NamedTuple):
 
 
 class Said(NamedTuple):
-    """What somebody says of the numbers: the arguments of :func:`~flowabs_nodes.image_numbers.meaning`."""
+    """What somebody says of the numbers: the arguments of :func:`~flowabs_nodes.image.numbers.meaning`."""
 
     colorspace: ColorSpace | str | None
     encoding: str | None
@@ -48,7 +49,7 @@ def parts_of_array(
 ) -> tuple[Parts, ColorSpace]:
     """Return the parts of an image of a host's picture, which is copied, and the scene-linear space that it is in.
 
-    ``type`` and ``channels`` are those of :func:`~flowabs_nodes.image_channels.layout`; ``windows`` are the data window
+    ``type`` and ``channels`` are those of :func:`~flowabs_nodes.image.channels.layout`; ``windows`` are the data window
     and the display window, each four numbers or None. ArgumentError for what does not fit; for uint8 and uint16
     pictures that are said to be linear, and for other whole numbers under an encoding. ColorError for a name that is no
     colour space.
@@ -64,7 +65,7 @@ def parts_of_array(
 def _pixels(picture: npt.NDArray[Any], type: PortType, said: Said) -> tuple[npt.NDArray[Any], ColorSpace]:
     """Return the pixels of an image of numbers (H, W, C), a copy, and their scene-linear space."""
     declared, stored = pixel_type(type), picture.dtype
-    numbers = image_numbers.meaning(*said, floats=stored.kind == "f")
+    numbers = meaning(*said, floats=stored.kind == "f")
     if not declared.shown:
         pixels = declared.cast(picture, whole_floats=True)
         return pixels.copy() if np.may_share_memory(picture, pixels) else pixels, numbers.kept
@@ -74,7 +75,7 @@ def _pixels(picture: npt.NDArray[Any], type: PortType, said: Said) -> tuple[npt.
         if stored.kind != "f" and not _has_white(stored):
             name = said.colorspace if said.encoding is None else said.encoding
             raise ArgumentError(f"array: expected uint8, uint16 or floats of {name}, found {stored}", parameter="array")
-        return image_light.decoded(picture, numbers), numbers.kept
+        return light.decoded(picture, numbers), numbers.kept
     if _has_white(stored):
         white = np.iinfo(stored).max
         raise ArgumentError(
@@ -91,7 +92,7 @@ def _pixels(picture: npt.NDArray[Any], type: PortType, said: Said) -> tuple[npt.
             else "divide by its white",
             parameter="array",
         )
-    return image_light.decoded(picture, numbers), numbers.kept
+    return light.decoded(picture, numbers), numbers.kept
 
 
 def _has_white(dtype: np.dtype[Any]) -> bool:
@@ -165,7 +166,7 @@ def array_of(
     return out
 
 
-def _means_the_pixels(numbers: image_numbers.Numbers, image: Shown) -> bool:
+def _means_the_pixels(numbers: Numbers, image: Shown) -> bool:
     """Return whether an image's pixels are just these numbers: light of their space, under an alpha as they say."""
     straight = numbers.straight and "A" in image.names
     return numbers.encoding is None and numbers.space == image.space and not straight
@@ -195,12 +196,12 @@ def fill(target: Memory, image: Shown, said: Said, channels: Channels | None) ->
     _write(picture, image, chosen, _for_host(image, said, picture.dtype))
 
 
-def _for_host(image: Shown, said: Said, dtype: np.dtype[Any]) -> image_numbers.Numbers | None:
+def _for_host(image: Shown, said: Said, dtype: np.dtype[Any]) -> Numbers | None:
     """Return what a host's numbers are to mean; None for a type that is no picture to look at.
 
     ArgumentError for whole numbers of colours whose encoding nobody says, and for types of whole numbers without white.
     """
-    numbers = image_numbers.meaning(*said, floats=dtype.kind == "f", default=image.space)
+    numbers = meaning(*said, floats=dtype.kind == "f", default=image.space)
     if not pixel_type(image.type).shown:
         return None
     if dtype.kind != "f" and not _has_white(dtype):
@@ -222,15 +223,15 @@ def _write(
     target: npt.NDArray[Any],
     image: Shown,
     chosen: tuple[int | None, ...],
-    numbers: image_numbers.Numbers | None,
+    numbers: Numbers | None,
 ) -> None:
     """Write an image's channels into a picture (H, W, C); ArgumentError where an id or data does not fit exactly."""
     if numbers is not None:
-        image_light.encode_to(target, chosen, image.pixels, image.space, numbers)
+        light.encode_to(target, chosen, image.pixels, image.space, numbers)
         return
     values = image.pixels[..., [pick for pick in chosen if pick is not None]]
     if "f" == image.pixels.dtype.kind == target.dtype.kind:
-        image_light.write(target, tuple(range(values.shape[2])), values)
+        light.write(target, tuple(range(values.shape[2])), values)
         return
     with np.errstate(all="ignore"):
         whole = values.astype(target.dtype)
