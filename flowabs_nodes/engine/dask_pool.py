@@ -19,6 +19,7 @@ from typing import Any
 
 from flowabs_nodes import stopping
 from flowabs_nodes.engine.dask_cluster import DaskCluster
+from flowabs_nodes.engine.dask_presence import DaskPresence
 from flowabs_nodes.engine.dask_worker import TOPIC, Begun, Ended, Left, Task, end_run, render_task
 from flowabs_nodes.engine.options import RunOptions
 from flowabs_nodes.engine.report import FrameReport, Note
@@ -30,11 +31,7 @@ from flowabs_nodes.simd import bands
 
 _LOOK = 0.1  # seconds between two looks at whether the run is to stop
 _PATIENCE = 6.0  # seconds that the workers have to give up their frames when the run stops
-_NEWS = 2.0  # seconds between two looks at which workers there are
 _POLL = 1.0  # seconds until a frame is asked for again that a worker has claimed which is lost
-
-#: Seconds that a run waits for a worker where there is none any more: those of a cloud take minutes to come.
-ALONE = 300.0
 
 
 @dataclass
@@ -70,21 +67,19 @@ class DaskPool:
         self._claimed_since: dict[int, float] = {}
         self._peak = 0
         self._told_alone = False
-        self._alone_since: float | None = None
-        self._connected = True
-        self._news: list[Note] = []  # of the thread that looks at the workers
+        self._presence = DaskPresence(cluster, tell.note, self._hear)
 
     def render(self, numbers: Iterable[int]) -> Iterator[FrameReport]:
         """Yield the report of each frame. Raises Stopped when the run is to stop; nobody works for it any more then."""
         frames = tuple(numbers)
         self._waiting.extend(frames[at : at + self._chunk] for at in range(0, len(frames), self._chunk))
         over = threading.Event()
-        threading.Thread(target=self._look_at_workers, args=(over,), name="flowabs-dask", daemon=True).start()
-        self._cluster.client.subscribe_topic(TOPIC, self._hear)
+        self._presence.watch(over)
         try:
             while self._waiting or self._sent or self._later:
                 stopping.check()
-                yield from self._check_connection()
+                if lost := self._presence.lost():
+                    yield from self._give_up(*lost)
                 yield from self._take_from_the_gone()
                 self._submit()
                 yield from self._handle_messages()
@@ -108,7 +103,7 @@ class DaskPool:
             self._later.remove(due)
             self._waiting.append((due[1],))
         usable = self._cluster.usable
-        if not self._waiting or not usable or not self._connected:
+        if not self._waiting or not usable or not self._presence.connected:
             return
         room = self._cluster.room(self._peak, self._options.jobs)
         if self._peak > self._cluster.memory and not self._told_alone:
@@ -153,8 +148,7 @@ class DaskPool:
 
     def _handle_messages(self) -> Iterator[FrameReport]:
         """Wait for a message, but not for long, and yield the report of a frame that has ended."""
-        while self._news:
-            self._tell.note(self._news.pop(0))
+        self._presence.tell_news()
         try:
             name, message = self._inbox.get(timeout=_LOOK)
         except queue.Empty:
@@ -218,7 +212,7 @@ class DaskPool:
             else:
                 why = f"its worker failed: {text}: {str(error).partition(chr(10))[0]}"
                 yield from self._again(name, sent, why)
-        elif sent.left and self._connected and self._cluster.client.status == "running":
+        elif sent.left and self._presence.connected and self._cluster.client.status == "running":
             yield from self._again(name, sent, "its worker gave it up")
         if name in self._sent:
             self._ask_again(name, sent)
@@ -229,34 +223,7 @@ class DaskPool:
         if sent.left:
             self._waiting.appendleft(tuple(sent.left))
 
-    # ------------------------------------------------------------------ who is there
-
-    def _look_at_workers(self, over: threading.Event) -> None:
-        """Find out every few seconds which workers there are: in a thread, for a scheduler may take its time."""
-        while not over.wait(_NEWS):
-            with suppress(Exception):  # the scheduler does not answer: the client notices
-                self._news += self._cluster.look()
-
-    def _check_connection(self) -> Iterator[FrameReport]:
-        """Yield the reports of all frames left where the scheduler, or every worker, is gone for good."""
-        client = self._cluster.client
-        if client.status != "running":
-            if self._connected:
-                self._connected = False
-                self._tell.note(Note("the connection with Dask's scheduler is lost: trying to connect", warning=True))
-            if client.status != "connecting":
-                yield from self._give_up("Dask's scheduler is gone", "scheduler-lost")
-            return
-        if not self._connected:
-            self._connected = True
-            client.subscribe_topic(TOPIC, self._hear)
-        if self._cluster.usable:
-            self._alone_since = None
-        elif self._alone_since is None:
-            self._alone_since = time.monotonic()
-            self._tell.note(Note(f"no worker is left: waiting up to {ALONE:g} s for one", warning=True))
-        elif time.monotonic() - self._alone_since > ALONE:
-            yield from self._give_up(f"no worker of Dask for {ALONE:g} s", "no-worker")
+    # ------------------------------------------------------------------ who is gone
 
     def _take_from_the_gone(self) -> Iterator[FrameReport]:
         """Take back the tasks none of whose workers is there any more, since Dask waits for just these."""

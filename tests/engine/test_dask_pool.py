@@ -10,7 +10,7 @@ import pytest
 
 from flowabs_nodes import graph as graphs
 from flowabs_nodes import stopping
-from flowabs_nodes.engine import dask_pool
+from flowabs_nodes.engine import dask_pool, dask_presence
 from flowabs_nodes.engine.dask_cluster import DaskCluster
 from flowabs_nodes.engine.dask_worker import Place
 from flowabs_nodes.engine.options import RunOptions
@@ -252,7 +252,7 @@ def test_where_no_worker_is_left_the_run_waits_and_goes_on_with_the_next(shot, t
 
 @pytest.mark.slow
 def test_where_no_worker_comes_any_more_the_frames_fail(shot, tmp_path, farm, monkeypatch):
-    monkeypatch.setattr(dask_pool, "ALONE", 1.0)
+    monkeypatch.setattr(dask_presence, "ALONE", 1.0)
     worker = farm.worker()
     events = Heard("node", worker.kill)
     report = run(shot, str(tmp_path / "out/o.####.exr"), trouble(seconds=5), scheduler=farm.address, on_event=events)
