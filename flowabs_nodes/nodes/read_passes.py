@@ -17,7 +17,7 @@ _COMPARED = (
     "Names are compared without the view layer in front, without VRay, case, spaces and underscores. Where several "
     "layers could be meant, or none, the error lists what the file has. A view layer's name (Fg), an eye's (right) or "
     "both (Fg.right) mean the pass in there, as they mean the picture for `read`; of a stereo file the first eye is "
-    "read."
+    "read. A pass in a file of its own may be called anything, R, G, B too: the only layer of a file is taken."
 )
 
 
@@ -131,7 +131,8 @@ READ_ID = Node(
         "Usual names, the first that is there: CryptoObject (Blender), crypto_object (Arnold), Cryptomatte (V-Ray); ID "
         "(Arnold), id (RenderMan), Object Index (Blender; before 5.0 IndexOB), Object ID, Render ID (V-Ray), primid "
         "(Karma); Material Index or IndexMA (Blender), MtlID (V-Ray); else the file's only Cryptomatte. The layer "
-        "cryptomatte, or Fg.cryptomatte, is a Cryptomatte under whatever name. "
+        "cryptomatte, or Fg.cryptomatte, is a Cryptomatte under whatever name; the layer material, or Fg.material, is "
+        "CryptoMaterial (Blender), crypto_material (Arnold), or else Material Index, IndexMA, MtlID or Material ID. "
         f"{_COMPARED} In a Cryptomatte the background wins a pixel of which all ids together leave more than the first "
         "has, and the manifest goes along as metadata. An id pass may be stored as uint, float or half."
     ),
