@@ -10,7 +10,9 @@ from flowabs_nodes.nodes.declare import Context, Node, Param, Port
 from flowabs_nodes.nodes.read import MISSING_PARAM, layer_param, part_param
 
 #: What the nodes of this file have in common.
-FILE = Param.file("file", role="input", pictures=True, help="File or sequence: render.####.exr. \"\" is the plate's own file.")
+FILE = Param.file(
+    "file", role="input", pictures=True, help='File or sequence: render.####.exr. "" is the plate\'s own file.'
+)
 LAYER = layer_param('Layer ("ViewLayer.Depth", "Depth"), view layer, eye, channel or part: "" finds its usual name.')
 PART = part_param('Part of a multi-part EXR, by name or number: "" looks through all.')
 _COMPARED = (
