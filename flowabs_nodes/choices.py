@@ -47,6 +47,7 @@ CATEGORIES = Choices(
         "lines": "draws lines",
         "regions": "flattens regions and cleans up their edges",
         "tone": "changes light and dark",
+        "motion": "follows what moves from frame to frame",
         "merge": "puts pictures together",
         "compare": "is what the paper compares its own filters with",
         "utility": "helps other nodes",
@@ -89,6 +90,31 @@ WORKING_SCALES = Choices(
         "1/4": "a quarter of the width and height",
     },
     {"1/2": "1/2", "1/4": "1/4"},
+)
+
+#: How much a frame of ``motion_window`` counts by its distance in time.
+FALLOFFS = Choices(
+    {
+        "gaussian": "less the farther away it is: sigma is the reach",
+        "box": "all alike: steadier, and a little softer",
+    }
+)
+
+#: What ``motion_window`` does where frames of its window are not there.
+WINDOW_ENDS = Choices(
+    {
+        "shrink": "it averages the frames that are there",
+        "error": "the frame fails",
+    }
+)
+
+#: How carefully ``optical_flow`` looks.
+FLOW_PRESETS = Choices(
+    {
+        "ultrafast": "coarse: about three times as fast as fast",
+        "fast": "for previews",
+        "medium": "for final frames",
+    }
 )
 
 #: The kernel of ``etf``.

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from flowabs_nodes.filters.lines.stroke import stroke
     from flowabs_nodes.filters.lines.threshold import threshold
     from flowabs_nodes.filters.lines.xdog import xdog, xdog_rho
+    from flowabs_nodes.filters.motion.optical_flow import optical_flow
+    from flowabs_nodes.filters.motion.window import motion_window
     from flowabs_nodes.filters.regions.bilateral import bilateral
     from flowabs_nodes.filters.regions.bilateral_oriented import bilateral_oriented
     from flowabs_nodes.filters.regions.fbl import fbl
@@ -54,6 +56,8 @@ __all__ = [
     "mean_shift",
     "measure_clipping",
     "measure_reference",
+    "motion_window",
+    "optical_flow",
     "quantize",
     "rolling_guidance",
     "shoulder",
@@ -83,6 +87,8 @@ _HOMES = {
     "mean_shift": "regions.mean_shift",
     "measure_clipping": "regions.mean_shift",
     "measure_reference": "flow.gradient",
+    "motion_window": "motion.window",
+    "optical_flow": "motion.optical_flow",
     "quantize": "regions.quantize",
     "rolling_guidance": "regions.rolling_guidance",
     "shoulder": "shoulder",

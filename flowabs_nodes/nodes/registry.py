@@ -29,6 +29,7 @@ READING_ORDER = (
     *("etf", "lic", "flow_color", "flow_blur"),
     *("dog", "fdog", "fdog_iterative", "stroke", "canny"),
     *("fbl", "rolling_guidance", "bilateral", "bilateral_oriented", "mean_shift", "quantize"),
+    *("optical_flow", "motion_window"),
     *("composite", "merge", "switch", "blur", "grade", "invert", "colorspace"),
     *("shuffle", "constant", "crop", "reformat"),
 )
