@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from flowabs_nodes.filters.lines.stroke import stroke
     from flowabs_nodes.filters.lines.threshold import threshold
     from flowabs_nodes.filters.lines.xdog import xdog, xdog_rho
+    from flowabs_nodes.filters.passes.id_matte import id_matte
     from flowabs_nodes.filters.regions.bilateral import bilateral
     from flowabs_nodes.filters.regions.bilateral_oriented import bilateral_oriented
     from flowabs_nodes.filters.regions.fbl import fbl
@@ -49,6 +50,7 @@ __all__ = [
     "fdog_iterative",
     "flow_blur",
     "flow_color",
+    "id_matte",
     "ink_color",
     "lic",
     "mean_shift",
@@ -78,6 +80,7 @@ _HOMES = {
     "fdog_iterative": "lines.fdog_iterative",
     "flow_blur": "flow.flow_blur",
     "flow_color": "flow.flow_color",
+    "id_matte": "passes.id_matte",
     "ink_color": "ink_color",
     "lic": "flow.lic",
     "mean_shift": "regions.mean_shift",

@@ -6,9 +6,9 @@ import inspect
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from flowabs_nodes import filters
-from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ArgumentError, FlowabsError, nearest
 
 _HEIGHT, _WIDTH = 24, 40
@@ -61,7 +61,7 @@ def warm_up(*names: str) -> None:
                 raise
 
 
-def _pictures() -> dict[str, Array | str | float]:
+def _pictures() -> dict[str, npt.NDArray[Any] | str | float | list[int]]:
     """Return what a filter takes, by the name of its parameter: noise of 24 x 40 pixels."""
     chance = np.random.default_rng(1)
     white = np.float32(255)
@@ -77,4 +77,6 @@ def _pictures() -> dict[str, Array | str | float]:
         "flow": np.stack([np.cos(angle), np.sin(angle)], axis=2).astype(np.float32),
         "gradient_reference": "max",
         "p": 20.0,
+        "ids": (4 * mono / white).astype(np.uint32),
+        "chosen": [1, 2],
     }
