@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from flowabs_nodes.filters.lines.threshold import threshold
     from flowabs_nodes.filters.lines.xdog import xdog, xdog_rho
     from flowabs_nodes.filters.passes.id_matte import id_matte
+    from flowabs_nodes.filters.passes.join_lines import join_lines
     from flowabs_nodes.filters.regions.bilateral import bilateral
     from flowabs_nodes.filters.regions.bilateral_oriented import bilateral_oriented
     from flowabs_nodes.filters.regions.fbl import fbl
@@ -52,6 +53,7 @@ __all__ = [
     "flow_color",
     "id_matte",
     "ink_color",
+    "join_lines",
     "lic",
     "mean_shift",
     "measure_clipping",
@@ -82,6 +84,7 @@ _HOMES = {
     "flow_color": "flow.flow_color",
     "id_matte": "passes.id_matte",
     "ink_color": "ink_color",
+    "join_lines": "passes.join_lines",
     "lic": "flow.lic",
     "mean_shift": "regions.mean_shift",
     "measure_clipping": "regions.mean_shift",

@@ -71,7 +71,7 @@ def _pictures() -> dict[str, npt.NDArray[Any] | str | float | list[int]]:
     return {
         **dict.fromkeys(("code", "response", "lightness"), mono),
         "lstar": mono / np.float32(2.55),
-        "lines": mono / white,
+        **dict.fromkeys(("lines", "under"), mono / white),
         "codes": color,
         **dict.fromkeys(("rgb", "image"), color / white),
         "flow": np.stack([np.cos(angle), np.sin(angle)], axis=2).astype(np.float32),
