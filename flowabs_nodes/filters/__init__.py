@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from flowabs_nodes.filters.lines.xdog import xdog, xdog_rho
     from flowabs_nodes.filters.motion.optical_flow import optical_flow
     from flowabs_nodes.filters.motion.window import motion_window
+    from flowabs_nodes.filters.passes.id_matte import id_matte
+    from flowabs_nodes.filters.passes.join_lines import join_lines
     from flowabs_nodes.filters.regions.bilateral import bilateral
     from flowabs_nodes.filters.regions.bilateral_oriented import bilateral_oriented
     from flowabs_nodes.filters.regions.fbl import fbl
@@ -51,7 +53,9 @@ __all__ = [
     "fdog_iterative",
     "flow_blur",
     "flow_color",
+    "id_matte",
     "ink_color",
+    "join_lines",
     "lic",
     "mean_shift",
     "measure_clipping",
@@ -82,7 +86,9 @@ _HOMES = {
     "fdog_iterative": "lines.fdog_iterative",
     "flow_blur": "flow.flow_blur",
     "flow_color": "flow.flow_color",
+    "id_matte": "passes.id_matte",
     "ink_color": "ink_color",
+    "join_lines": "passes.join_lines",
     "lic": "flow.lic",
     "mean_shift": "regions.mean_shift",
     "measure_clipping": "regions.mean_shift",

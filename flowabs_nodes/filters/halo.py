@@ -93,6 +93,11 @@ def stroke(min_length: float, taper: float) -> int:
     return blur(smoothing(min_length, taper)) + max(walk, along(across))
 
 
+def join_lines(gap: float) -> int:
+    """Return the halo of joined lines: how many pixels away ink clears the paper, up to ``gap`` + 1/2 of them."""
+    return math.ceil(gap + 0.5) - 1 if gap > 0 else 0
+
+
 def fbl(sigma_e: float, sigma_g: float, iterations: int, factor: int = 1) -> int:
     """Return the halo of FBL, or of a bilateral filter along straight lines."""
     passes = iterations * (flow_blur(sigma_e / factor) + flow_blur(sigma_g / factor))

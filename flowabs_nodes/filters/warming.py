@@ -6,9 +6,9 @@ import inspect
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from flowabs_nodes import filters
-from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ArgumentError, FlowabsError, nearest
 
 _HEIGHT, _WIDTH = 24, 40
@@ -20,13 +20,15 @@ _SWITCHED_ON: dict[str, Any] = {
     "by_gradient": 1.0,
     "min_length": 4.0,
 }
+#: Optional pictures that are given too, for the same reason.
+_ALSO_GIVEN = ("edge_strength", "edge_flow")
 
 
 def warm_up(*names: str) -> None:
     """Run filters once on a small picture, with default parameters, so that their first use takes no longer.
 
     What the options of the graphs that come with the package need is made ready too, though they are off by default:
-    soft outlines, evidence, a working scale, steps by the gradient, a stroke's length.
+    soft outlines, evidence, a working scale, steps by the gradient, a stroke's length, edges from passes.
 
     A program calls it before it starts threads, and before it forks: children share what is loaded, and none of them
     compiles. What is compiled stays on disk. Kernels of other parameters than the defaults (``kernel="separable"``, an
@@ -53,6 +55,7 @@ def warm_up(*names: str) -> None:
         function = getattr(filters, name)
         given = inspect.signature(function).parameters.values()
         needed = {each.name: pictures[each.name] for each in given if each.default is each.empty}
+        needed |= {each.name: pictures[each.name] for each in given if each.name in _ALSO_GIVEN}
         needed |= {each.name: _SWITCHED_ON[each.name] for each in given if each.name in _SWITCHED_ON}
         try:
             function(**needed)
@@ -61,7 +64,7 @@ def warm_up(*names: str) -> None:
                 raise
 
 
-def _pictures() -> dict[str, Array | str | float]:
+def _pictures() -> dict[str, npt.NDArray[Any] | str | float | list[int]]:
     """Return what a filter takes, by the name of its parameter: noise of 24 x 40 pixels."""
     chance = np.random.default_rng(1)
     white = np.float32(255)
@@ -71,10 +74,12 @@ def _pictures() -> dict[str, Array | str | float]:
     return {
         **dict.fromkeys(("code", "response", "lightness"), mono),
         "lstar": mono / np.float32(2.55),
-        "lines": mono / white,
+        **dict.fromkeys(("lines", "under", "edge_strength"), mono / white),
         "codes": color,
         **dict.fromkeys(("rgb", "image"), color / white),
-        "flow": np.stack([np.cos(angle), np.sin(angle)], axis=2).astype(np.float32),
+        **dict.fromkeys(("flow", "edge_flow"), np.stack([np.cos(angle), np.sin(angle)], axis=2).astype(np.float32)),
         "gradient_reference": "max",
         "p": 20.0,
+        "ids": (4 * mono / white).astype(np.uint32),
+        "chosen": [1, 2],
     }

@@ -97,6 +97,7 @@ class Param:
         nullable: Flag = False,
         thin_below: Number | None = None,
         floor: Number | None = None,
+        later: Flag = False,
         help: str,
         **panel: Unpack[Panel],
     ) -> Param:
@@ -115,6 +116,7 @@ class Param:
             scales=1 if unit == "px" else -1 if unit.endswith("/px") else 0,
             thin_below=thin_below,
             floor=floor,
+            later=later,
             **panel,
         )
 
