@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from flowabs_nodes.filters.lines.stroke import stroke
     from flowabs_nodes.filters.lines.threshold import threshold
     from flowabs_nodes.filters.lines.xdog import xdog, xdog_rho
+    from flowabs_nodes.filters.passes.aov_lines import aov_lines
     from flowabs_nodes.filters.regions.bilateral import bilateral
     from flowabs_nodes.filters.regions.bilateral_oriented import bilateral_oriented
     from flowabs_nodes.filters.regions.fbl import fbl
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from flowabs_nodes.filters.warming import warm_up
 
 __all__ = [
+    "aov_lines",
     "bilateral",
     "bilateral_oriented",
     "blur",
@@ -66,6 +68,7 @@ __all__ = [
 
 #: The module of this package that holds each function.
 _HOMES = {
+    "aov_lines": "passes.aov_lines",
     "bilateral": "regions.bilateral",
     "bilateral_oriented": "regions.bilateral_oriented",
     "blur": "gaussian_blur",

@@ -20,6 +20,8 @@ _SWITCHED_ON: dict[str, Any] = {
     "by_gradient": 1.0,
     "min_length": 4.0,
 }
+#: Optional parameters without which a filter has nothing to do.
+_PASSES = ("depth", "normal", "id", "coverage", "material")
 
 
 def warm_up(*names: str) -> None:
@@ -54,6 +56,7 @@ def warm_up(*names: str) -> None:
         given = inspect.signature(function).parameters.values()
         needed = {each.name: pictures[each.name] for each in given if each.default is each.empty}
         needed |= {each.name: _SWITCHED_ON[each.name] for each in given if each.name in _SWITCHED_ON}
+        needed |= {each.name: pictures[each.name] for each in given if each.name in _PASSES}
         try:
             function(**needed)
         except FlowabsError as error:
@@ -61,7 +64,7 @@ def warm_up(*names: str) -> None:
                 raise
 
 
-def _pictures() -> dict[str, Array | str | float]:
+def _pictures() -> dict[str, Any]:
     """Return what a filter takes, by the name of its parameter: noise of 24 x 40 pixels."""
     chance = np.random.default_rng(1)
     white = np.float32(255)
@@ -76,5 +79,9 @@ def _pictures() -> dict[str, Array | str | float]:
         **dict.fromkeys(("rgb", "image"), color / white),
         "flow": np.stack([np.cos(angle), np.sin(angle)], axis=2).astype(np.float32),
         "gradient_reference": "max",
+        "depth": 1 + mono / white,
+        "normal": color / white,
+        **dict.fromkeys(("id", "material"), (mono // 32).astype(np.uint32)),
+        "coverage": mono / white,
         "p": 20.0,
     }

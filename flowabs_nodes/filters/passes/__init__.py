@@ -1,0 +1,1 @@
+"""Lines from the passes of a render: depth, normals, ids."""
