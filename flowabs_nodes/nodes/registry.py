@@ -28,6 +28,7 @@ READING_ORDER = (
     *("matte", "id_matte", "exposure", "shoulder"),
     *("etf", "lic", "flow_color", "flow_blur"),
     *("dog", "fdog", "fdog_iterative", "stroke", "join_lines", "canny"),
+    *("aov_lines",),
     *("fbl", "rolling_guidance", "bilateral", "bilateral_oriented", "mean_shift", "quantize"),
     *("optical_flow", "motion_window"),
     *("composite", "merge", "switch", "blur", "grade", "invert", "colorspace"),
