@@ -49,7 +49,8 @@ def read_id(
             ids, coverage = cryptomatte.majority(file, layers, chosen)
         else:
             planes = file.read_native(chosen.part, chosen.channels)
-            ids = _whole(grey(np.stack([planes[name] for name in chosen.channels], axis=2), chosen))[..., 0]
+            numbers = grey(np.stack([planes[name] for name in chosen.channels], axis=2), chosen)
+            ids = _whole(numbers, "no-layer" if chosen.guessed else "wrong-layer")[..., 0]
             coverage = np.ones(ids.shape, np.float32)
         name = cryptomatte.base_name(split_view(chosen.layer, views_in(file.specs))[0])
         manifest = known.get(name, {}) if len(chosen.channels) == 4 else {}
@@ -116,8 +117,11 @@ def _cryptomatte(file: PictureFile, levels: Sequence[Layer]) -> Selection | None
     )
 
 
-def _whole(numbers: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """Return ids, uint32, of numbers of any type; -1 becomes 4294967295. Raises ReadError where some are not whole."""
+def _whole(numbers: npt.NDArray[Any], code: str) -> npt.NDArray[Any]:
+    """Return ids, uint32, of numbers of any type, which are whole; -1 becomes 4294967295.
+
+    Raises ReadError, with ``code``, where some are not.
+    """
     if numbers.dtype.kind == "f":
         numbers = numbers.astype(np.float64)
     with np.errstate(invalid="ignore"):
@@ -125,7 +129,7 @@ def _whole(numbers: npt.NDArray[Any]) -> npt.NDArray[Any]:
         if wrong:
             raise ReadError(
                 f"{wrong} of the numbers are no ids: whole, and at most 4294967295",
-                code="wrong-layer",
+                code=code,
                 hint="read_aov reads any numbers",
                 parameter="layer",
             )

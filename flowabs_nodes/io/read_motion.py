@@ -62,7 +62,7 @@ def read_motion(
             if chosen.guessed and pixels.any() and not (pixels < 0).any():
                 raise ReadError(
                     "the file's only layer holds no motion: nothing moves left or down",
-                    code="wrong-layer",
+                    code="no-layer",
                     hint=f"layer: {chosen.guessed!r}, if this is motion",
                     parameter="layer",
                 )

@@ -20,7 +20,7 @@ from flowabs_nodes.io.layers import Selection
 from flowabs_nodes.io.pass_names import DEPTH, NORMAL, Names
 from flowabs_nodes.io.read import Say, quiet, selected_spec
 from flowabs_nodes.io.settings import Settings, checked
-from flowabs_nodes.port_types import FAR, TYPES
+from flowabs_nodes.port_types import FAR, TYPES, PortType
 
 #: The largest half: what any larger number may have become in a file.
 HALF_MAX = 65504.0
@@ -92,13 +92,28 @@ def _check_lengths(pixels: npt.NDArray[Any], chosen: Selection) -> None:
     if share < 0.5:
         raise ReadError(
             f"the file's only layer holds no normals: {share:.0%} of its vectors have the length 1",
-            code="wrong-layer",
+            code="no-layer",
             hint=f"layer: {chosen.guessed!r}, if these are normals",
             parameter="layer",
         )
 
 
 # ---------------------------------------------------------------------- for all passes
+
+
+def read_nothing(
+    path: str | os.PathLike[str], type: PortType, *, part: str | int = "", settings: Settings | None = None
+) -> Image:
+    """Return a pass of the size of a file's first part that shows nothing: 0, background depth.
+
+    It stands for a pass that the file does not have. Raises ReadError as :func:`read_depth`.
+    """
+    with opened(path, settings, part) as (file, layers):
+        spec = file.specs[layers[0].part]
+        first = Selection(layers[0].part, "", (spec.channelnames[0],))
+        channels = len(TYPES[type].typical_channels)
+        value = FAR if type == "depth" else 0
+        return image_of(file, first, type, np.full((spec.height, spec.width, channels), value, TYPES[type].dtype))
 
 
 @contextmanager
@@ -153,7 +168,8 @@ def grey(pixels: npt.NDArray[Any], chosen: Selection) -> npt.NDArray[Any]:
     if not (pixels[..., 1:] == pixels[..., :1]).all():
         names = ", ".join(chosen.channels)
         what = "the file's only layer" if chosen.guessed else f"layer {chosen.layer!r}"
-        raise ReadError(f"{what} is no single number: {names} differ", code="wrong-layer", parameter="layer")
+        code = "no-layer" if chosen.guessed else "wrong-layer"
+        raise ReadError(f"{what} is no single number: {names} differ", code=code, parameter="layer")
     return pixels[..., :1]
 
 

@@ -36,6 +36,9 @@ def run_aov_lines(
 
     passes = {"depth": depth, "normal": normal, "id": id, "coverage": coverage, "material": material}
     given = {name: each for name, each in passes.items() if each is not None}
+    for name in ("id", "material"):  # what read_id gives in place of ids that a render does not have
+        if name in given and len(given) > 1 and not given[name].pixels.any():
+            del given[name]
     arrays = {name: each.pixels if name == "normal" else each.pixels[..., 0] for name, each in given.items()}
     wanted = context.wanted or frozenset(_OUTPUTS)
     first = next(iter(given.values()), None)

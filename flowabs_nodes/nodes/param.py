@@ -146,6 +146,7 @@ class Param:
         default: str,
         choices: tuple[str, ...],
         *,
+        later: Flag = False,
         help: str,
         in_key: Flag = True,
         **panel: Unpack[Panel],
@@ -154,7 +155,7 @@ class Param:
 
         ``choices`` may be a :class:`~flowabs_nodes.choices.Choices`, which also holds their labels and meanings.
         """
-        return Param(name, "enum", default, help, choices=choices, in_key=in_key, **panel)
+        return Param(name, "enum", default, help, choices=choices, in_key=in_key, later=later, **panel)
 
     @staticmethod
     def string(

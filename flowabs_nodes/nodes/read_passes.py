@@ -4,12 +4,23 @@ from __future__ import annotations
 
 from typing import Any
 
-from flowabs_nodes.choices import MOTION_CONVENTIONS
+import numpy as np
+
+from flowabs_nodes.choices import ABSENT, MOTION_CONVENTIONS
+from flowabs_nodes.errors import ReadError
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
 from flowabs_nodes.nodes.read import MISSING_PARAM, layer_param, part_param
 
 #: What the nodes of this file have in common.
+ABSENT_PARAM = Param.enum(
+    "absent",
+    "error",
+    ABSENT,
+    label="Where there is no such pass",
+    help="What is read in place of a pass that the file does not have.",
+    later=True,
+)
 FILE = Param.file(
     "file", role="input", pictures=True, help='File or sequence: render.####.exr. "" is the plate\'s own file.'
 )
@@ -21,6 +32,13 @@ _COMPARED = (
     "both (Fg.right) mean the pass in there, as they mean the picture for `read`; of a stereo file the first eye is "
     "read. A pass in a file of its own may be called anything, R, G, B too: the only layer of a file is taken."
 )
+
+
+def _pass_over(error: ReadError, absent: str, context: Context) -> None:
+    """Tell that a pass is not in the file. Raises ``error`` where it says something else, or it must be there."""
+    if absent == "error" or error.code != "no-layer":
+        raise error
+    context.warn(f"nothing is read: {error.message}")
 
 
 def run_read_depth(context: Context, *, file: str, missing: str = "error", **where: Any) -> Image:
@@ -47,10 +65,16 @@ READ_DEPTH = Node(
 )
 
 
-def run_read_normal(context: Context, *, file: str, missing: str = "error", **where: Any) -> Image:
-    from flowabs_nodes.io.read_passes import read_normal
+def run_read_normal(
+    context: Context, *, file: str, missing: str = "error", absent: str = "error", **where: Any
+) -> Image:
+    from flowabs_nodes.io.read_passes import read_normal, read_nothing
 
-    return read_normal(file, settings=context.services, note=context.note, warn=context.warn, **where)
+    try:
+        return read_normal(file, settings=context.services, note=context.note, warn=context.warn, **where)
+    except ReadError as error:
+        _pass_over(error, absent, context)
+        return read_nothing(file, "normal", settings=context.services)
 
 
 READ_NORMAL = Node(
@@ -61,7 +85,7 @@ READ_NORMAL = Node(
     help="The normal pass of a render, in the renderer's own space.",
     inputs=(),
     outputs=(Port("normal", "normal", "X, Y, Z as they are in the file; 0, 0, 0 where there is no surface."),),
-    params=(FILE, LAYER, PART, MISSING_PARAM),
+    params=(FILE, LAYER, PART, MISSING_PARAM, ABSENT_PARAM),
     run=run_read_normal,
     doc=f"Usual names: Normal (Blender), N (Arnold, Karma), Nn (RenderMan), normals (V-Ray). {_COMPARED}",
 )
@@ -109,10 +133,18 @@ READ_MOTION = Node(
 )
 
 
-def run_read_id(context: Context, *, file: str, missing: str = "error", **where: Any) -> dict[str, Image]:
+def run_read_id(
+    context: Context, *, file: str, missing: str = "error", absent: str = "error", **where: Any
+) -> dict[str, Image]:
     from flowabs_nodes.io.read_id import read_id
+    from flowabs_nodes.io.read_passes import read_nothing
 
-    ids, coverage = read_id(file, settings=context.services, note=context.note, warn=context.warn, **where)
+    try:
+        ids, coverage = read_id(file, settings=context.services, note=context.note, warn=context.warn, **where)
+    except ReadError as error:
+        _pass_over(error, absent, context)
+        ids = read_nothing(file, "id", settings=context.services)
+        coverage = ids.with_pixels(np.ones(ids.pixels.shape[:2], np.float32), "mono")
     return {"id": ids, "coverage": coverage}
 
 
@@ -127,7 +159,7 @@ READ_ID = Node(
         Port("id", "id", "The id that covers most of the pixel; 0 is the background."),
         Port("coverage", "mono", "The part of the pixel that this id covers, 0 to 1; 1 for an id pass."),
     ),
-    params=(FILE, LAYER, PART, MISSING_PARAM),
+    params=(FILE, LAYER, PART, MISSING_PARAM, ABSENT_PARAM),
     run=run_read_id,
     doc=(
         "Usual names, the first that is there: CryptoObject (Blender), crypto_object (Arnold), Cryptomatte (V-Ray); ID "
