@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from flowabs_nodes.filters.lines.stroke import stroke
     from flowabs_nodes.filters.lines.threshold import threshold
     from flowabs_nodes.filters.lines.xdog import xdog, xdog_rho
+    from flowabs_nodes.filters.motion.boil import boil
     from flowabs_nodes.filters.passes.id_matte import id_matte
     from flowabs_nodes.filters.passes.join_lines import join_lines
     from flowabs_nodes.filters.regions.bilateral import bilateral
@@ -42,6 +43,7 @@ __all__ = [
     "bilateral",
     "bilateral_oriented",
     "blur",
+    "boil",
     "canny",
     "composite",
     "dog",
@@ -73,6 +75,7 @@ _HOMES = {
     "bilateral": "regions.bilateral",
     "bilateral_oriented": "regions.bilateral_oriented",
     "blur": "gaussian_blur",
+    "boil": "motion.boil",
     "canny": "lines.canny",
     "composite": "compositing",
     "dog": "lines.dog",
