@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from flowabs_nodes.filters.lines.stroke import stroke
     from flowabs_nodes.filters.lines.threshold import threshold
     from flowabs_nodes.filters.lines.xdog import xdog, xdog_rho
+    from flowabs_nodes.filters.motion.boil import boil
     from flowabs_nodes.filters.motion.optical_flow import optical_flow
     from flowabs_nodes.filters.motion.window import motion_window
     from flowabs_nodes.filters.passes.aov_lines import aov_lines
@@ -46,6 +47,7 @@ __all__ = [
     "bilateral",
     "bilateral_oriented",
     "blur",
+    "boil",
     "canny",
     "composite",
     "dog",
@@ -80,6 +82,7 @@ _HOMES = {
     "bilateral": "regions.bilateral",
     "bilateral_oriented": "regions.bilateral_oriented",
     "blur": "gaussian_blur",
+    "boil": "motion.boil",
     "canny": "lines.canny",
     "composite": "compositing",
     "dog": "lines.dog",

@@ -18,6 +18,7 @@ _SWITCHED_ON: dict[str, Any] = {
     "working_scale": "1/2",
     "by_gradient": 1.0,
     "min_length": 4.0,
+    "amount": 1.0,
 }
 #: Optional pictures that are given too, for the same reason.
 _ALSO_GIVEN = ("edge_strength", "edge_flow")
@@ -29,7 +30,7 @@ def warm_up(*names: str) -> None:
     """Run filters once on a small picture, with default parameters, so that their first use takes no longer.
 
     What the options of the graphs that come with the package need is made ready too, though they are off by default:
-    soft outlines, evidence, a working scale, steps by the gradient, a stroke's length, edges from passes.
+    soft outlines, evidence, a working scale, steps by the gradient, a stroke's length, edges from passes, boil.
 
     A program calls it before it starts threads, and before it forks: children share what is loaded, and none of them
     compiles. What is compiled stays on disk. Kernels of other parameters than the defaults (``kernel="separable"``, an

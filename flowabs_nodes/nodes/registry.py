@@ -27,7 +27,7 @@ READING_ORDER = (
     *("read", "read_aov", "read_depth", "read_normal", "read_motion", "read_id", "write"),
     *("matte", "id_matte", "exposure", "shoulder"),
     *("etf", "lic", "flow_color", "flow_blur"),
-    *("dog", "fdog", "fdog_iterative", "stroke", "join_lines", "canny"),
+    *("dog", "fdog", "fdog_iterative", "stroke", "join_lines", "boil", "canny"),
     *("aov_lines",),
     *("fbl", "rolling_guidance", "bilateral", "bilateral_oriented", "mean_shift", "quantize"),
     *("optical_flow", "motion_window"),

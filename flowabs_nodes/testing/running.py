@@ -26,13 +26,13 @@ def require(holds: bool, otherwise: str) -> None:
 
 
 def run_node(
-    node: Node, inputs: Mapping[str, Image], params: Mapping[str, Any] | None = None, wanted: str = ""
+    node: Node, inputs: Mapping[str, Image], params: Mapping[str, Any] | None = None, wanted: str = "", frame: int = 6
 ) -> dict[str, Image]:
     """Return the node's outputs, all or the one wanted, decoded, with defaults for what ``params`` leaves out.
 
     Of an input that the node reads on several frames, the other frames are made from its image (:func:`on_frame`).
     """
-    context = Context(node=node.type, wanted=frozenset({wanted} if wanted else ()))
+    context = Context(frame=frame, node=node.type, wanted=frozenset({wanted} if wanted else ()))
     with error_boundary(node.type):
         offsets = frame_offsets(node, node.defaults() | dict(params or {}))
     windows = {

@@ -21,7 +21,7 @@ WORKERS = {
     "write": (build_picture,),
 }
 #: They come from the run, or from inputs of other names.
-NOT_PARAMETERS = {"alpha", "settings", "note", "warn", "layers"}
+NOT_PARAMETERS = {"alpha", "frame", "origin", "settings", "note", "warn", "layers"}
 
 
 def workers(type):
