@@ -39,6 +39,8 @@ def run_aov_lines(
     for name in ("id", "material"):  # what read_id gives in place of ids that a render does not have
         if name in given and len(given) > 1 and not given[name].pixels.any():
             del given[name]
+    if "id" not in given:
+        given.pop("coverage", None)
     arrays = {name: each.pixels if name == "normal" else each.pixels[..., 0] for name, each in given.items()}
     wanted = context.wanted or frozenset(_OUTPUTS)
     first = next(iter(given.values()), None)
