@@ -108,6 +108,15 @@ FDOG_KERNELS = Choices(
     }
 )
 
+#: What the numbers of a depth pass are.
+PROJECTIONS = Choices(
+    {
+        "planar": "Z, along the camera's axis",
+        "distance": "the way from the camera along the ray",
+        "orthographic": "Z of a camera without perspective",
+    }
+)
+
 #: Which lines ``dog``, ``fdog`` and ``fdog_iterative`` draw.
 FORMS = Choices(
     {

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from flowabs_nodes.filters.lines.threshold import threshold
     from flowabs_nodes.filters.lines.xdog import xdog, xdog_rho
     from flowabs_nodes.filters.motion.boil import boil
+    from flowabs_nodes.filters.passes.aov_lines import aov_lines
     from flowabs_nodes.filters.passes.id_matte import id_matte
     from flowabs_nodes.filters.passes.join_lines import join_lines
     from flowabs_nodes.filters.regions.bilateral import bilateral
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from flowabs_nodes.filters.warming import warm_up
 
 __all__ = [
+    "aov_lines",
     "bilateral",
     "bilateral_oriented",
     "blur",
@@ -72,6 +74,7 @@ __all__ = [
 
 #: The module of this package that holds each function.
 _HOMES = {
+    "aov_lines": "passes.aov_lines",
     "bilateral": "regions.bilateral",
     "bilateral_oriented": "regions.bilateral_oriented",
     "blur": "gaussian_blur",

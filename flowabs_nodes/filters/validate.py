@@ -62,13 +62,21 @@ def ids(name: str, value: npt.ArrayLike, shape: tuple[int, ...] | None = None) -
     return np.ascontiguousarray(found, np.uint32)
 
 
-def planes(name: str, value: npt.ArrayLike, *, check_finite: bool = True, summed: bool = False) -> Array:
-    """Return ``value`` as (H, W, 3) finite float32; ``check_finite`` as for :func:`plane`.
+def planes(
+    name: str,
+    value: npt.ArrayLike,
+    shape: tuple[int, ...] | None = None,
+    *,
+    check_finite: bool = True,
+    summed: bool = False,
+) -> Array:
+    """Return ``value`` as (H, W, 3) finite float32; ``shape`` and ``check_finite`` as for :func:`plane`.
 
     ``summed`` is True for a filter whose sums would leave float32 if numbers were larger than 1.04e34
     (:data:`~flowabs_nodes.simd.finite.LARGEST`): such numbers are refused as well.
     """
-    return _array(name, value, "(H, W, 3)", lambda shape: len(shape) == 3 and shape[2] == 3, check_finite, summed)
+    array = _array(name, value, "(H, W, 3)", lambda found: len(found) == 3 and found[2] == 3, check_finite, summed)
+    return _fitting(name, array, shape)
 
 
 def plane_or_planes(name: str, value: npt.ArrayLike, *, summed: bool = False) -> Array:

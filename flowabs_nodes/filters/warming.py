@@ -6,7 +6,6 @@ import inspect
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from flowabs_nodes import filters
 from flowabs_nodes.errors import ArgumentError, FlowabsError, nearest
@@ -21,8 +20,8 @@ _SWITCHED_ON: dict[str, Any] = {
     "min_length": 4.0,
     "amount": 1.0,
 }
-#: Optional pictures that are given too, for the same reason.
-_ALSO_GIVEN = ("edge_strength", "edge_flow")
+#: Optional pictures that are given too: what shipped graphs give, and without which a filter has nothing to do.
+_ALSO_GIVEN = ("edge_strength", "edge_flow", "depth", "normal", "id", "coverage", "material")
 
 
 def warm_up(*names: str) -> None:
@@ -65,7 +64,7 @@ def warm_up(*names: str) -> None:
                 raise
 
 
-def _pictures() -> dict[str, npt.NDArray[Any] | str | float | list[int]]:
+def _pictures() -> dict[str, Any]:
     """Return what a filter takes, by the name of its parameter: noise of 24 x 40 pixels."""
     chance = np.random.default_rng(1)
     white = np.float32(255)
@@ -80,7 +79,10 @@ def _pictures() -> dict[str, npt.NDArray[Any] | str | float | list[int]]:
         **dict.fromkeys(("rgb", "image"), color / white),
         **dict.fromkeys(("flow", "edge_flow"), np.stack([np.cos(angle), np.sin(angle)], axis=2).astype(np.float32)),
         "gradient_reference": "max",
+        "depth": 1 + mono / white,
+        "normal": color / white,
+        **dict.fromkeys(("id", "ids", "material"), (mono // 32).astype(np.uint32)),
+        "coverage": mono / white,
         "p": 20.0,
-        "ids": (4 * mono / white).astype(np.uint32),
         "chosen": [1, 2],
     }

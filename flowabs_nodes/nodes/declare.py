@@ -129,6 +129,8 @@ class Node:
     computed nor read, and no part of the key; ``run`` gets None for them. Without it every connected input is needed.
     ``mask`` needs no word.
 
+    ``one_of`` names optional inputs of which at least one must be connected: ``flowabs check`` and a call say so.
+
     ``frames(params)`` returns, for each input that the node reads on other frames too, their offsets from its own
     frame, such as ``{"image": (-2, -1, 0, 1, 2)}``: different whole numbers from -64 to 64, 0 among them
     (:mod:`~flowabs_nodes.nodes.frame_offsets`). ``run`` gets such an input as a dict from offset to Image, in order,
@@ -174,6 +176,7 @@ class Node:
     region: Callable[[Mapping[str, Any], Window], Mapping[str, Window]] | None = field(default=None, hash=False)
     packages: Mapping[str, str] = field(default_factory=dict, hash=False)
     upgrades: Mapping[int, Callable[[dict[str, Any]], dict[str, Any]]] = field(default_factory=dict, hash=False)
+    one_of: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         names = [port.name for port in self.inputs] + [param.name for param in self.params]

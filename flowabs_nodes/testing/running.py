@@ -43,11 +43,14 @@ def run_node(
 
 
 def inputs_of(node: Node, scene: str, height: int = 20, width: int = 24, optional: bool = True) -> dict[str, Image]:
-    """Make an image for each declared input but the mask, each of the first type its port takes."""
+    """Make an image for each declared input but the mask, each of the first type its port takes.
+
+    Without the ``optional`` ones there is still the first of those of which a node needs one.
+    """
     return {
         port.name: make_input(port.accepts[0], scene, height, width)
         for port in node.inputs
-        if optional or not port.optional
+        if optional or not port.optional or port.name in node.one_of[:1]
     }
 
 

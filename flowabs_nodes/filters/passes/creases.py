@@ -1,0 +1,172 @@
+"""Creases: points where normals turn more than they do beside them.
+
+Along a row, and along a column, A(k) is the angle between the normals at k - h and k + h, h the reach, for k
+in the middle between two pixels. A sharp edge turns them at once, a bend over its length: the excess is
+A(k) - (A(k - 2h) + A(k + 2h)) / 2. A crease goes through the peaks of A, found
+between pixels by a parabola; its strength is smoothstep(theta / 2, theta, excess). Its direction is the major
+eigenvector of the sum of g g^T, g the gradient of a component of the normal.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from flowabs_nodes.array_types import Array, Float64
+from flowabs_nodes.filters.passes.edges import CREASE, Edges, smoothstep
+from flowabs_nodes.filters.passes.near import MOVED, begin_at
+from flowabs_nodes.simd.bands import over_rows
+from flowabs_nodes.simd.jit import inlined, kernel
+
+_COLUMNS = 5  # x, y, nx, ny, strength
+_ALONGSIDE = 2.5  # px from an edge
+_PARALLEL = 0.7  # the cosine from which directions are parallel
+
+
+def unit_normals(normal: Array) -> Array:
+    """Return normals (H, W, 3) at length 1; 0, 0, 0 where they are not finite, or shorter than a half."""
+    unit = np.empty_like(normal)
+    over_rows(_normalise, normal.shape[0], normal, unit)
+    return unit
+
+
+@kernel
+def _normalise(first: int, last: int, normal: Array, unit: Array) -> None:
+    """Write the rows ``first`` .. ``last`` - 1 of the unit normals."""
+    for y in range(first, last):
+        for x in range(normal.shape[1]):
+            a, b, c = np.float64(normal[y, x, 0]), np.float64(normal[y, x, 1]), np.float64(normal[y, x, 2])
+            size = math.sqrt(a * a + b * b + c * c)
+            there = size >= 0.5 and size < 1e30
+            inverse = 1 / size if there else 0.0
+            unit[y, x, 0] = a * inverse if there else 0
+            unit[y, x, 1] = b * inverse if there else 0
+            unit[y, x, 2] = c * inverse if there else 0
+
+
+def find_creases(unit: Array, crease_angle: float, crease_reach: float) -> Edges:
+    """Return the creases of unit normals, (H, W, 3)."""
+    height = unit.shape[0]
+    tables = over_rows(_find, height, unit, crease_angle, crease_reach)
+    table = np.concatenate(tables)
+    rows = np.searchsorted(np.floor(table[:, 1]), np.arange(height + 1))
+    zeros = np.zeros(len(table))
+    x, y, nx, ny, strength = (np.ascontiguousarray(column) for column in table.T)
+    return Edges(rows, x, y, nx, ny, strength, zeros, zeros, np.full(len(table), CREASE, np.int32))
+
+
+@kernel
+def _find(first: int, last: int, unit: Array, theta: float, h: float) -> Float64:
+    """Return the table of the creases whose y is in the rows ``first`` .. ``last`` - 1, in order of rows."""
+    height, width = unit.shape[:2]
+    table, count = np.empty((64, _COLUMNS)), 0
+    found = np.empty(4)
+    for y in range(first, last):
+        for x in range(width):
+            for along_x in range(2):
+                if (x if along_x else y) + 1 >= (width if along_x else height):
+                    continue
+                if not _peak(unit, x, y, along_x, h, theta, found):
+                    continue
+                if count == table.shape[0]:
+                    longer = np.empty((2 * count, _COLUMNS))
+                    longer[:count] = table
+                    table = longer
+                strength, offset = found[0], found[1]
+                table[count, 0] = x + along_x * (0.5 + offset)
+                table[count, 1] = y + (1 - along_x) * (0.5 + offset)
+                table[count, 2], table[count, 3] = found[2], found[3]
+                table[count, 4] = strength
+                count += 1
+    return table[:count].copy()
+
+
+def beside_no_edge(creases: Edges, edges: Edges) -> Edges:
+    """Return creases without those that go along an edge: at an edge normals turn too."""
+    strength = creases.strength.copy()
+    over_rows(_fade, len(creases.rows) - 1, creases, edges, strength)
+    return creases._replace(strength=strength)
+
+
+@kernel
+def _fade(first: int, last: int, creases: Edges, edges: Edges, strength: Float64) -> None:
+    """Fade what goes along edges of the creases in the rows ``first`` .. ``last`` - 1."""
+    height, reach = edges.rows.size - 1, _ALONGSIDE + MOVED
+    for e in range(creases.rows[first], creases.rows[last]):
+        x, y, nx, ny = creases.x[e], creases.y[e], creases.nx[e], creases.ny[e]
+        beside = 0.0
+        for j in range(max(int(y - reach), 0), min(int(y + reach) + 1, height)):
+            for k in range(begin_at(edges, j, x - _ALONGSIDE), edges.rows[j + 1]):
+                dx, dy = edges.x[k] - x, edges.y[k] - y
+                if dx > reach:
+                    break
+                along = abs(nx * edges.nx[k] + ny * edges.ny[k]) > _PARALLEL
+                if along and dx * dx + dy * dy <= _ALONGSIDE * _ALONGSIDE:
+                    beside = max(beside, edges.strength[k])
+        strength[e] *= 1 - beside
+
+
+@inlined
+def _peak(unit: Array, x: int, y: int, along_x: int, h: float, theta: float, found: Float64) -> bool:
+    """Return whether A has a peak between a pixel and the next; ``found`` is then its strength, offset, nx and ny."""
+    middle = _turn(unit, x, y, along_x, 0.5 - h, 0.5 + h)
+    if middle <= 0.25 * theta:
+        return False
+    before, after = _turn(unit, x, y, along_x, -0.5 - h, -0.5 + h), _turn(unit, x, y, along_x, 1.5 - h, 1.5 + h)
+    if before > middle or after >= middle:
+        return False
+    beside = _turn(unit, x, y, along_x, 0.5 - 3 * h, 0.5 - h) + _turn(unit, x, y, along_x, 0.5 + h, 0.5 + 3 * h)
+    strength = smoothstep(0.5 * theta, theta, middle - 0.5 * beside)
+    if strength <= 0:
+        return False
+    curved = before - 2 * middle + after
+    found[0], found[1] = strength, (0.5 * (before - after) / curved if curved < -1e-6 else 0.0)
+    xx, xy, yy = 0.0, 0.0, 0.0
+    for c in range(3):
+        gx, gy = _gradient(unit, x, y, along_x, c)
+        xx, xy, yy = xx + gx * gx, xy + gx * gy, yy + gy * gy
+    angle = 0.5 * math.atan2(2 * xy, xx - yy)
+    found[2], found[3] = math.cos(angle), math.sin(angle)
+    return True
+
+
+@inlined
+def _turn(unit: Array, x: int, y: int, along_x: int, start: float, end: float) -> float:
+    """Return the angle in degrees between the normals ``start`` and ``end`` pixels along from (x, y); 0 without any."""
+    a, b, c = _normal_at(unit, x, y, along_x, start)
+    d, e, f = _normal_at(unit, x, y, along_x, end)
+    size = (a * a + b * b + c * c) * (d * d + e * e + f * f)
+    if size < 0.01:
+        return 0.0
+    return math.degrees(math.acos(min(max((a * d + b * e + c * f) / math.sqrt(size), -1.0), 1.0)))
+
+
+@inlined
+def _normal_at(unit: Array, x: int, y: int, along_x: int, along: float) -> tuple[float, float, float]:
+    """Return the normal ``along`` pixels along the row, or the column, from (x, y), between pixels a mean of two."""
+    last = (unit.shape[1] if along_x else unit.shape[0]) - 1
+    at = min(max((x if along_x else y) + along, 0.0), np.float64(last))
+    i = int(at)
+    j, t = min(i + 1, last), at - i
+    xi, yi = (i, y) if along_x else (x, i)
+    xj, yj = (j, y) if along_x else (x, j)
+    a = (1 - t) * unit[yi, xi, 0] + t * unit[yj, xj, 0]
+    b = (1 - t) * unit[yi, xi, 1] + t * unit[yj, xj, 1]
+    c = (1 - t) * unit[yi, xi, 2] + t * unit[yj, xj, 2]
+    return a, b, c
+
+
+@inlined
+def _gradient(unit: Array, x: int, y: int, along_x: int, c: int) -> tuple[float, float]:
+    """Return the gradient of a component of the normal between a pixel and the next, over four pixels by four."""
+    height, width = unit.shape[:2]
+    x1, y1 = x + along_x, y + 1 - along_x
+    gx, gy = 0.0, 0.0
+    for k in range(-1, 2):
+        xa, ya = min(max(x + k * (1 - along_x), 0), width - 1), min(max(y + k * along_x, 0), height - 1)
+        xb, yb = min(max(x1 + k * (1 - along_x), 0), width - 1), min(max(y1 + k * along_x, 0), height - 1)
+        w = 2.0 if k == 0 else 1.0
+        gx += w * (unit[yb, min(xb + 1, width - 1), c] - unit[ya, max(xa - 1, 0), c])
+        gy += w * (unit[min(yb + 1, height - 1), xb, c] - unit[max(ya - 1, 0), xa, c])
+    return gx, gy

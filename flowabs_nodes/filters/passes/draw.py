@@ -1,0 +1,119 @@
+"""Ink and distances: each pixel's nearest edges, by the pieces of lines through their points.
+
+A piece at p with normal n (outward) reaches over the pixels q whose (q - p).t is at most 3/4 px, more further away;
+there d = (p - q).n, positive on the near side. Of several pieces the nearest point counts. A line lies on the near
+side, a crease on both:
+
+    ink = strength clip(min(d, width - d) + 1/2, 0, 1),    of a crease: strength clip(width / 2 - |d| + 1/2, 0, 1).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from flowabs_nodes.array_types import Array, Float64, Int32
+from flowabs_nodes.filters.passes.edges import CREASE, Edges
+from flowabs_nodes.simd.bands import over_rows
+from flowabs_nodes.simd.jit import inlined, kernel
+
+#: Distances are told up to this, in pixels; it stands where no edge is nearer.
+FAR = 10.0
+
+_WEAKER = 2.0  # px: how much further away a point without strength counts
+_HALF, _SPREAD = 0.75, 0.7  # half the length of a piece, in pixels, and how much more for each pixel away
+_BAND, _FADED = 2.0, 3.0  # px: strength is told this near an edge, and no more from there on
+
+
+class Pens(NamedTuple):
+    """Widths in pixels, and how far away edges are looked for."""
+
+    width: float
+    crease_width: float
+    reach: float
+    crease_reach: float
+
+
+class Drawing(NamedTuple):
+    """What is drawn, (H, W) float32 each; of size 0 where it is not asked for."""
+
+    kinds: Array  # (5, H, W): ink of each kind
+    lines: Array  # 1 paper, 0 ink
+    strength: Array
+    distance: Array
+
+
+def draw(edges: Edges, creases: Edges, pens: Pens, height: int, width: int, measured: bool) -> Drawing:
+    """Draw edges and creases; with ``measured``, strengths and distances too."""
+    size = (height, width) if measured else (0, 0)
+    drawing = Drawing(
+        np.zeros((5, height, width), np.float32),
+        np.ones((height, width), np.float32),
+        np.zeros(size, np.float32),
+        np.full(size, FAR, np.float32),
+    )
+    over_rows(_draw, height, edges, creases, pens, drawing)
+    return drawing
+
+
+@kernel
+def _draw(first: int, last: int, edges: Edges, creases: Edges, pens: Pens, drawing: Drawing) -> None:
+    """Draw the rows ``first`` .. ``last`` - 1."""
+    width = drawing.lines.shape[1]
+    shape = last - first, width
+    squares, signed, which = np.full(shape, np.inf), np.empty(shape), np.full(shape, -1, np.int32)
+    crease_squares, unsigned, crease = np.full(shape, np.inf), np.empty(shape), np.full(shape, -1, np.int32)
+    _nearest(first, last, edges, pens.reach, squares, signed, which)
+    _nearest(first, last, creases, pens.crease_reach, crease_squares, unsigned, crease)
+    for y in range(first, last):
+        j = y - first
+        for x in range(width):
+            if which[j, x] < 0 and crease[j, x] < 0:
+                continue
+            ink, nearest, strength = 0.0, FAR, 0.0
+            if which[j, x] >= 0:
+                d, strength = signed[j, x], edges.strength[which[j, x]]
+                nearest = d
+                ink = strength * min(max(min(d, pens.width - d) + 0.5, 0.0), 1.0)
+                drawing.kinds[edges.kind[which[j, x]], y, x] = ink
+            if crease[j, x] >= 0:
+                d, s = abs(unsigned[j, x]), creases.strength[crease[j, x]]
+                folded = s * min(max(pens.crease_width / 2 - d + 0.5, 0.0), 1.0)
+                drawing.kinds[CREASE, y, x] = folded
+                ink = max(ink, folded)
+                if d < abs(nearest):
+                    nearest, strength = d, s
+            drawing.lines[y, x] = 1 - ink
+            if drawing.distance.size > 0:
+                drawing.distance[y, x] = min(max(nearest, -FAR), FAR)
+                drawing.strength[y, x] = strength * min(max((_FADED - abs(nearest)) / (_FADED - _BAND), 0.0), 1.0)
+
+
+@inlined
+def _nearest(
+    first: int, last: int, edges: Edges, reach: float, squares: Float64, signed: Float64, which: Int32
+) -> None:
+    """Write d and the index of the nearest point within ``reach`` of each pixel of the rows first .. last - 1."""
+    height, width = edges.rows.size - 1, signed.shape[1]
+    most = _HALF + _SPREAD * reach
+    margin = int(math.ceil(math.hypot(reach, most))) + 2
+    for e in range(edges.rows[max(first - margin, 0)], edges.rows[min(last + margin, height)]):
+        strength = edges.strength[e]
+        if strength <= 0:
+            continue
+        px, py, nx, ny = edges.x[e], edges.y[e], edges.nx[e], edges.ny[e]
+        weaker = (_WEAKER * (1 - strength)) ** 2
+        high, wide = abs(ny) * reach + abs(nx) * most, abs(nx) * reach + abs(ny) * most
+        for y in range(max(first, int(math.ceil(py - high))), min(last, int(math.floor(py + high)) + 1)):
+            for x in range(max(0, int(math.ceil(px - wide))), min(width, int(math.floor(px + wide)) + 1)):
+                dx, dy = px - x, py - y
+                d, s = dx * nx + dy * ny, dy * nx - dx * ny
+                if abs(d) > reach or abs(s) > _HALF + _SPREAD * abs(d):
+                    continue
+                square = d * d + s * s + weaker
+                if square < squares[y - first, x]:
+                    squares[y - first, x] = square
+                    signed[y - first, x] = d
+                    which[y - first, x] = e
