@@ -85,4 +85,6 @@ def _pictures() -> dict[str, Any]:
         "coverage": mono / white,
         "p": 20.0,
         "chosen": [1, 2],
+        "distance": mono / 25 - 2,
+        "mattes": {"outline": mono / white},
     }

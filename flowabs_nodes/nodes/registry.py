@@ -28,7 +28,7 @@ READING_ORDER = (
     *("matte", "id_matte", "exposure", "shoulder"),
     *("etf", "lic", "flow_color", "flow_blur"),
     *("dog", "fdog", "fdog_iterative", "stroke", "canny"),
-    *("aov_lines", "join_lines", "boil"),
+    *("aov_lines", "ink_lines", "join_lines", "boil"),
     *("fbl", "rolling_guidance", "bilateral", "bilateral_oriented", "mean_shift", "quantize"),
     *("composite", "merge", "switch", "blur", "grade", "invert", "colorspace"),
     *("shuffle", "constant", "crop", "reformat"),
