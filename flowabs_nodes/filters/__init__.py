@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from flowabs_nodes.filters.motion.window import motion_window
     from flowabs_nodes.filters.passes.aov_lines import aov_lines
     from flowabs_nodes.filters.passes.id_matte import id_matte
+    from flowabs_nodes.filters.passes.ink_lines import ink_lines
     from flowabs_nodes.filters.passes.join_lines import join_lines
     from flowabs_nodes.filters.regions.bilateral import bilateral
     from flowabs_nodes.filters.regions.bilateral_oriented import bilateral_oriented
@@ -59,6 +60,7 @@ __all__ = [
     "flow_color",
     "id_matte",
     "ink_color",
+    "ink_lines",
     "join_lines",
     "lic",
     "mean_shift",
@@ -94,6 +96,7 @@ _HOMES = {
     "flow_color": "flow.flow_color",
     "id_matte": "passes.id_matte",
     "ink_color": "ink_color",
+    "ink_lines": "passes.ink_lines",
     "join_lines": "passes.join_lines",
     "lic": "flow.lic",
     "mean_shift": "regions.mean_shift",

@@ -101,6 +101,12 @@ def join_lines(gap: float) -> int:
     return math.ceil(gap + 0.5) - 1 if gap > 0 else 0
 
 
+def ink_lines(widest: float, taper: float) -> int:
+    """Return the halo of inked lines: of the foot of the farthest pixel with ink, and of what is told of its ends."""
+    foot = math.ceil(widest + 0.5 + 1) + 1  # a crease is read a pixel beyond, between pixels
+    return foot + (stroke(0, taper) if taper > 0 else 0)
+
+
 def boil(amount: float) -> int:
     """Return the halo of displaced lines, and of the mean of the flow."""
     return max(boil_reach(amount), blur(BOIL_EASE)) if amount > 0 else 0

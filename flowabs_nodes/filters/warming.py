@@ -20,10 +20,8 @@ _SWITCHED_ON: dict[str, Any] = {
     "min_length": 4.0,
     "amount": 1.0,
 }
-#: Optional pictures that are given too, for the same reason.
-_ALSO_GIVEN = ("edge_strength", "edge_flow")
-#: Optional parameters without which a filter has nothing to do.
-_PASSES = ("depth", "normal", "id", "coverage", "material")
+#: Optional pictures that are given too: what shipped graphs give, and without which a filter has nothing to do.
+_ALSO_GIVEN = ("edge_strength", "edge_flow", "depth", "normal", "id", "coverage", "material")
 
 
 def warm_up(*names: str) -> None:
@@ -59,7 +57,6 @@ def warm_up(*names: str) -> None:
         needed = {each.name: pictures[each.name] for each in given if each.default is each.empty}
         needed |= {each.name: pictures[each.name] for each in given if each.name in _ALSO_GIVEN}
         needed |= {each.name: _SWITCHED_ON[each.name] for each in given if each.name in _SWITCHED_ON}
-        needed |= {each.name: pictures[each.name] for each in given if each.name in _PASSES}
         try:
             function(**needed)
         except FlowabsError as error:
@@ -84,9 +81,10 @@ def _pictures() -> dict[str, Any]:
         "gradient_reference": "max",
         "depth": 1 + mono / white,
         "normal": color / white,
-        **dict.fromkeys(("id", "material"), (mono // 32).astype(np.uint32)),
+        **dict.fromkeys(("id", "ids", "material"), (mono // 32).astype(np.uint32)),
         "coverage": mono / white,
         "p": 20.0,
-        "ids": (4 * mono / white).astype(np.uint32),
         "chosen": [1, 2],
+        "distance": mono / 25 - 2,
+        "mattes": {"outline": mono / white},
     }
