@@ -31,7 +31,7 @@ def passes_flow(edges: Edges, unit: Array | None, shape: tuple[int, int], radius
     if unit is None:
         tangent, magnitude = np.zeros((*shape, 2), np.float32), np.zeros(shape, np.float32)
     else:
-        tangent, magnitude = gradient.gradient(unit / np.float32(_STEEP))
+        tangent, magnitude = gradient.gradient(unit)
     largest = max(over_rows(_with_edges, shape[0], edges, tangent, magnitude))
     tangent = flow_fill(tangent, magnitude, 0.0, largest)
     if iterations == 0 or radius <= 1:
@@ -56,7 +56,7 @@ def _with_edges(first: int, last: int, edges: Edges, tangent: Array, magnitude: 
     largest = 0.0
     for y in range(first, last):
         for x in range(width):
-            m = min(np.float64(magnitude[y, x]), 1.0)
+            m = min(magnitude[y, x] / _STEEP, 1.0)
             xx, xy, yy = tensor[y - first, x, 0], tensor[y - first, x, 1], tensor[y - first, x, 2]
             if xx + yy > 0:
                 of_normals = m * m * max(1 - _INSTEAD * (xx + yy), 0)
