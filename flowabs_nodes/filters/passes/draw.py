@@ -83,7 +83,7 @@ def _draw(first: int, last: int, edges: Edges, creases: Edges, pens: Pens, drawi
                 folded = s * min(max(pens.crease_width / 2 - d + 0.5, 0.0), 1.0)
                 drawing.kinds[CREASE, y, x] = folded
                 ink = max(ink, folded)
-                if d < abs(nearest):
+                if crease_squares[j, x] < squares[j, x]:
                     nearest, strength = d, s
             drawing.lines[y, x] = 1 - ink
             if drawing.distance.size > 0:
