@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from flowabs_nodes import filters
-from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ArgumentError, FlowabsError, nearest
 
 _HEIGHT, _WIDTH = 24, 40

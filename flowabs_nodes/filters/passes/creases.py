@@ -67,7 +67,7 @@ def _find(first: int, last: int, unit: Array, flat: Array, theta: float, h: floa
     table, count = np.empty((64, _COLUMNS)), 0
     found = np.empty(5)
     cosine = math.cos(math.radians(0.49 * theta))  # where normals turn less there is no strength
-    reach = int(math.ceil(h)) + 1
+    reach = math.ceil(h) + 1
     for y in range(first, last):
         x = 0
         while x < width:
@@ -109,8 +109,8 @@ def _turns(flat: Array, pixel: int, forward: int, h: float, cosine: float) -> bo
 
 @inlined
 def _normals_at(flat: Array, pixel: int, forward: int, along: float) -> tuple[Floats, Floats, Floats]:
-    """Return sixteen normals ``along`` pixels from the pixels on, between pixels a mean of two; 1 pixel is ``forward``."""
-    i = int(math.floor(along))
+    """Return normals ``along`` steps of ``forward`` from sixteen pixels, between pixels a mean of two."""
+    i = math.floor(along)
     t = np.float32(along - i)
     a, b, c = load_triples(flat, 3 * (pixel + i * forward))
     d, e, f = load_triples(flat, 3 * (pixel + (i + 1) * forward))
@@ -152,7 +152,7 @@ def _fade(first: int, last: int, creases: Edges, excess: Float64, edges: Edges, 
 
 @inlined
 def _peak(unit: Array, x: int, y: int, along_x: int, h: float, theta: float, found: Float64) -> bool:
-    """Return whether A has a peak between a pixel and the next; ``found`` is then its strength, offset, normal, excess."""
+    """Return whether A has a peak between a pixel and the next, and note its strength, offset, normal and excess."""
     middle = _turn(unit, x, y, along_x, 0.5 - h, 0.5 + h)
     if middle <= 0.5 * theta:
         return False
@@ -172,7 +172,8 @@ def _peak(unit: Array, x: int, y: int, along_x: int, h: float, theta: float, fou
         xx, xy, yy = xx + gx * gx, xy + gx * gy, yy + gy * gy
     angle = 0.5 * math.atan2(2 * xy, xx - yy)
     found[2], found[3] = math.cos(angle), math.sin(angle)
-    return abs(found[2] if along_x else found[3]) >= _ACROSS
+    across: bool = abs(found[2] if along_x else found[3]) >= _ACROSS
+    return across
 
 
 @inlined

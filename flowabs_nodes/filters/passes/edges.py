@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from flowabs_nodes.array_types import Array, Float64, Int32, Int64
+from flowabs_nodes.array_types import Float64, Int32, Int64
 from flowabs_nodes.filters.passes.cracks import (
     ALONG_X,
     BEHIND,
@@ -82,8 +82,8 @@ def no_edges(height: int) -> Edges:
 
 def new_edges(rows: Int64, count: int) -> Edges:
     """Return memory for ``count`` edges."""
-    numbers = (np.empty(count) for _ in range(7))
-    return Edges(rows, *numbers, np.empty(count, np.int32))
+    x, y, nx, ny, strength, surface, depth = (np.empty(count) for _ in range(7))
+    return Edges(rows, x, y, nx, ny, strength, surface, depth, np.empty(count, np.int32))
 
 
 @kernel
