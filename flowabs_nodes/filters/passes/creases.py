@@ -22,8 +22,10 @@ from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import LANES, Floats, any_lane, sqrt
 from flowabs_nodes.simd.memory import load_triples
 
-_COLUMNS = 5  # x, y, nx, ny, strength
-_ALONGSIDE = 2.5  # px from an edge
+_COLUMNS = 6  # x, y, nx, ny, strength, excess
+_ACROSS = 0.4  # the cosine between row, or column, and the crease's normal below which it runs along the crease
+_ALONGSIDE = 2.5  # px: what is no further away goes along it
+_SHARPER = 1.3  # times as much excess
 _PARALLEL = 0.7  # the cosine from which directions are parallel
 
 
@@ -48,14 +50,14 @@ def _normalise(first: int, last: int, normal: Array, unit: Array) -> None:
             unit[y, x, 2] = c * inverse if there else 0
 
 
-def find_creases(unit: Array, crease_angle: float, crease_reach: float) -> Edges:
-    """Return the creases of unit normals, (H, W, 3)."""
+def find_creases(unit: Array, crease_angle: float, crease_reach: float) -> tuple[Edges, Float64]:
+    """Return the creases of unit normals, (H, W, 3), and the excess of each in degrees."""
     height = unit.shape[0]
     table = np.concatenate(over_rows(_find, height, unit, unit.reshape(-1), crease_angle, crease_reach))
     rows = np.searchsorted(np.floor(table[:, 1]), np.arange(height + 1))
     zeros = np.zeros(len(table))
-    x, y, nx, ny, strength = (np.ascontiguousarray(column) for column in table.T)
-    return Edges(rows, x, y, nx, ny, strength, zeros, zeros, np.full(len(table), CREASE, np.int32))
+    x, y, nx, ny, strength, excess = (np.ascontiguousarray(column) for column in table.T)
+    return Edges(rows, x, y, nx, ny, strength, zeros, zeros, np.full(len(table), CREASE, np.int32)), excess
 
 
 @kernel
@@ -63,9 +65,9 @@ def _find(first: int, last: int, unit: Array, flat: Array, theta: float, h: floa
     """Return the table of the creases between the pixels of the rows ``first`` .. ``last`` - 1 and the next."""
     height, width = unit.shape[:2]
     table, count = np.empty((64, _COLUMNS)), 0
-    found = np.empty(4)
+    found = np.empty(5)
     cosine = math.cos(math.radians(0.49 * theta))  # where normals turn less there is no strength
-    reach = int(math.ceil(h)) + 1
+    reach = math.ceil(h) + 1
     for y in range(first, last):
         x = 0
         while x < width:
@@ -88,7 +90,8 @@ def _find(first: int, last: int, unit: Array, flat: Array, theta: float, h: floa
                         table = longer(table)
                     table[count, 0] = x + along_x * (0.5 + found[1])
                     table[count, 1] = y + (1 - along_x) * (0.5 + found[1])
-                    table[count, 2], table[count, 3], table[count, 4] = found[2], found[3], found[0]
+                    table[count, 2], table[count, 3] = found[2], found[3]
+                    table[count, 4], table[count, 5] = found[0], found[4]
                     count += 1
                 x += 1
     return table[:count].copy()
@@ -106,24 +109,24 @@ def _turns(flat: Array, pixel: int, forward: int, h: float, cosine: float) -> bo
 
 @inlined
 def _normals_at(flat: Array, pixel: int, forward: int, along: float) -> tuple[Floats, Floats, Floats]:
-    """Return sixteen normals ``along`` pixels from the pixels on, between pixels a mean of two; 1 pixel is ``forward``."""
-    i = int(math.floor(along))
+    """Return normals ``along`` steps of ``forward`` from sixteen pixels, between pixels a mean of two."""
+    i = math.floor(along)
     t = np.float32(along - i)
     a, b, c = load_triples(flat, 3 * (pixel + i * forward))
     d, e, f = load_triples(flat, 3 * (pixel + (i + 1) * forward))
     return a + t * (d - a), b + t * (e - b), c + t * (f - c)
 
 
-def beside_no_edge(creases: Edges, edges: Edges) -> Edges:
-    """Return creases without those that go along an edge: at an edge normals turn too."""
+def alone(creases: Edges, excess: Float64, edges: Edges) -> Edges:
+    """Return creases without those that go along an edge, where normals turn too, or along a sharper crease."""
     strength = creases.strength.copy()
-    over_rows(_fade, len(creases.rows) - 1, creases, edges, strength)
+    over_rows(_fade, len(creases.rows) - 1, creases, excess, edges, strength)
     return creases._replace(strength=strength)
 
 
 @kernel
-def _fade(first: int, last: int, creases: Edges, edges: Edges, strength: Float64) -> None:
-    """Fade what goes along edges of the creases in the rows ``first`` .. ``last`` - 1."""
+def _fade(first: int, last: int, creases: Edges, excess: Float64, edges: Edges, strength: Float64) -> None:
+    """Fade what goes along something of the creases in the rows ``first`` .. ``last`` - 1."""
     height, reach = edges.rows.size - 1, _ALONGSIDE + MOVED
     for e in range(creases.rows[first], creases.rows[last]):
         x, y, nx, ny = creases.x[e], creases.y[e], creases.nx[e], creases.ny[e]
@@ -133,15 +136,23 @@ def _fade(first: int, last: int, creases: Edges, edges: Edges, strength: Float64
                 dx, dy = edges.x[k] - x, edges.y[k] - y
                 if dx > reach:
                     break
-                along = abs(nx * edges.nx[k] + ny * edges.ny[k]) > _PARALLEL
-                if along and dx * dx + dy * dy <= _ALONGSIDE * _ALONGSIDE:
+                parallel = abs(nx * edges.nx[k] + ny * edges.ny[k]) > _PARALLEL
+                if parallel and dx * dx + dy * dy <= _ALONGSIDE * _ALONGSIDE:
                     beside = max(beside, edges.strength[k])
+            for k in range(begin_at(creases, j, x - _ALONGSIDE), creases.rows[j + 1]):
+                dx, dy = creases.x[k] - x, creases.y[k] - y
+                if dx > reach:
+                    break
+                apart, along = abs(dx * nx + dy * ny), abs(dy * nx - dx * ny)
+                parallel = abs(nx * creases.nx[k] + ny * creases.ny[k]) > _PARALLEL
+                if parallel and along <= 1 and 1 < apart <= _ALONGSIDE and excess[k] > _SHARPER * excess[e]:
+                    beside = max(beside, creases.strength[k])
         strength[e] *= 1 - beside
 
 
 @inlined
 def _peak(unit: Array, x: int, y: int, along_x: int, h: float, theta: float, found: Float64) -> bool:
-    """Return whether A has a peak between a pixel and the next; ``found`` is then its strength, offset, nx and ny."""
+    """Return whether A has a peak between a pixel and the next, and note its strength, offset, normal and excess."""
     middle = _turn(unit, x, y, along_x, 0.5 - h, 0.5 + h)
     if middle <= 0.5 * theta:
         return False
@@ -149,7 +160,8 @@ def _peak(unit: Array, x: int, y: int, along_x: int, h: float, theta: float, fou
     if before > middle or after >= middle:
         return False
     beside = _turn(unit, x, y, along_x, 0.5 - 3 * h, 0.5 - h) + _turn(unit, x, y, along_x, 0.5 + h, 0.5 + 3 * h)
-    strength = smoothstep(0.5 * theta, theta, middle - 0.5 * beside)
+    found[4] = middle - 0.5 * beside
+    strength = smoothstep(0.5 * theta, theta, found[4])
     if strength <= 0:
         return False
     curved = before - 2 * middle + after
@@ -160,7 +172,8 @@ def _peak(unit: Array, x: int, y: int, along_x: int, h: float, theta: float, fou
         xx, xy, yy = xx + gx * gx, xy + gx * gy, yy + gy * gy
     angle = 0.5 * math.atan2(2 * xy, xx - yy)
     found[2], found[3] = math.cos(angle), math.sin(angle)
-    return True
+    across: bool = abs(found[2] if along_x else found[3]) >= _ACROSS
+    return across
 
 
 @inlined

@@ -82,8 +82,8 @@ def no_edges(height: int) -> Edges:
 
 def new_edges(rows: Int64, count: int) -> Edges:
     """Return memory for ``count`` edges."""
-    numbers = (np.empty(count) for _ in range(7))
-    return Edges(rows, *numbers, np.empty(count, np.int32))
+    x, y, nx, ny, strength, surface, depth = (np.empty(count) for _ in range(7))
+    return Edges(rows, x, y, nx, ny, strength, surface, depth, np.empty(count, np.int32))
 
 
 @kernel

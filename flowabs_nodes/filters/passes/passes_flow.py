@@ -21,6 +21,7 @@ from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import kernel
 
 _STEEP = math.radians(15.0)  # of the normals' turn in a pixel: full strength
+_CERTAIN = 0.1  # of full strength: weaker bends, down to the noise of a flat face, lean on what is around
 _EDGE = 3.0  # what an edge counts
 _REACH = 3  # px, of its Gaussian
 _INSTEAD = 4.0  # how fast the normals' part fades beside an edge
@@ -33,7 +34,7 @@ def passes_flow(edges: Edges, unit: Array | None, shape: tuple[int, int], radius
     else:
         tangent, magnitude = gradient.gradient(unit)
     largest = max(over_rows(_with_edges, shape[0], edges, tangent, magnitude))
-    tangent = flow_fill(tangent, magnitude, 0.0, largest)
+    tangent = flow_fill(tangent, magnitude, _CERTAIN, largest)
     if iterations == 0 or radius <= 1:
         return tangent
     return smooth(tangent, magnitude, 1.0, iterations, footprint_passes("full", [radius], *shape))
@@ -41,13 +42,13 @@ def passes_flow(edges: Edges, unit: Array | None, shape: tuple[int, int], radius
 
 @kernel
 def _with_edges(first: int, last: int, edges: Edges, tangent: Array, magnitude: Array) -> float:
-    """Lay edges over the tangents of the rows ``first`` .. ``last`` - 1, and return the largest magnitude, at most 1."""
+    """Lay edges over the tangents of the rows ``first`` .. ``last`` - 1; return the largest magnitude, at most 1."""
     height, width = magnitude.shape
     tensor = np.zeros((last - first, width, 3))
     for e in range(edges.rows[max(first - _REACH - 2, 0)], edges.rows[min(last + _REACH + 2, height)]):
         px, py, nx, ny = edges.x[e], edges.y[e], edges.nx[e], edges.ny[e]
-        for y in range(max(first, int(math.ceil(py - _REACH))), min(last, int(math.floor(py + _REACH)) + 1)):
-            for x in range(max(0, int(math.ceil(px - _REACH))), min(width, int(math.floor(px + _REACH)) + 1)):
+        for y in range(max(first, math.ceil(py - _REACH)), min(last, math.floor(py + _REACH) + 1)):
+            for x in range(max(0, math.ceil(px - _REACH)), min(width, math.floor(px + _REACH) + 1)):
                 square = (x - px) * (x - px) + (y - py) * (y - py)
                 w = _EDGE * edges.strength[e] ** 2 * math.exp(-0.5 * square) / (2 * math.pi)
                 tensor[y - first, x, 0] += w * nx * nx
