@@ -176,7 +176,7 @@ MOTION_WINDOW = Node(
             in_key=False,  # an error is no picture
             label="At the ends",
             group="Window",
-            help="Where frames are not there, at the ends of a sequence or behind a hole: a smaller window or an error.",
+            help="Where frames are not there, at the ends of a sequence or behind a hole: a smaller window, or none.",
         ),
         Param.float(
             "agreement",

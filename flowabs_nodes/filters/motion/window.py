@@ -128,7 +128,7 @@ def motion_window(
 
     def weight(k: int) -> float:
         """Return g(k)."""
-        return math.exp(-k * k / (2 * reach * reach)) if falloff == "gaussian" else 1.0
+        return math.exp(-k * k / (2 * reach * reach)) if falloff == "gaussian" and k else 1.0
 
     frames = {}
     for k in (0, *offsets):
@@ -145,7 +145,7 @@ def motion_window(
                 falloff=weight(k),
             ),
         )
-    full = 2 * sum(weight(k) for k in range(1, reach + 1))
+    full = np.array([weight(k) for k in (*range(1, reach + 1), *range(1, reach + 1))], np.float32).sum()
     covered = None if alphas is None else {k: _alpha(alphas, k, raster) for k in (0, *offsets)}
     mean, confidence, misfit = _over_window(pictures, covered, frames, full, raster)
     return WindowMean(mean, confidence, misfit)
@@ -187,9 +187,8 @@ def _picture(images: Frames, k: int) -> Array:
         expected = "(H, W), (H, W, 2) or (H, W, 3)"
         raise ArgumentError(f"images: expected shape {expected}, found {picture.shape}", parameter="images")
     if picture.shape != shape:
-        raise ArgumentError(
-            f"images: expected {shape}, as frame 0 is, found {picture.shape} {k:+d}", parameter="images"
-        )
+        found = f"{picture.shape} on frame {k:+d}"
+        raise ArgumentError(f"images: expected shape {shape}, as on frame 0, found {found}", parameter="images")
     return picture
 
 
@@ -235,7 +234,7 @@ def _over_window(
     pictures: Mapping[int, Array],
     alphas: Mapping[int, Array] | None,
     frames: Mapping[int, _Frame],
-    full: float,
+    full: np.float32,
     raster: Raster,
 ) -> tuple[Array, Array, Misfit | None]:
     """Return mean, confidence and misfit: paths are followed, and values averaged, some rows at a time.
@@ -268,7 +267,7 @@ def _over_window(
         kernel(first, last, raster, own, others, len(offsets), paths, mean.reshape(-1))
         if offsets:
             weights = paths.weight.reshape(len(offsets), last - first, raster.stride).sum(axis=0)
-            np.minimum(weights / np.float32(full), 1, out=confidence[first:last])
+            np.minimum(weights / full, 1, out=confidence[first:last])
 
     over_rows(average, raster.height, least=1, most=_ROWS)
     cut = (slice(None), slice(raster.width))
