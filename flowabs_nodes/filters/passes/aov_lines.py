@@ -14,7 +14,7 @@ from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import validate
 from flowabs_nodes.filters.passes.affine_depth import View, affine_depth, no_depth
 from flowabs_nodes.filters.passes.cracks import Passes, find_cracks
-from flowabs_nodes.filters.passes.creases import beside_no_edge, find_creases, unit_normals
+from flowabs_nodes.filters.passes.creases import alone, find_creases, unit_normals
 from flowabs_nodes.filters.passes.draw import FAR, Pens, draw
 from flowabs_nodes.filters.passes.edges import edges_of, no_edges
 from flowabs_nodes.filters.passes.fit import directed, fitted
@@ -137,7 +137,7 @@ def aov_lines(
     unit = None if normals is None else unit_normals(normals)
     creases = no_edges(height)
     if unit is not None:
-        found = beside_no_edge(find_creases(unit, crease_angle, crease_reach), edges)
+        found = alone(*find_creases(unit, crease_angle, crease_reach), edges)
         creases = fitted(directed(found, two_sided=True), sigma_m, two_sided=True)
 
     measured = "strength" in outputs or "distance" in outputs

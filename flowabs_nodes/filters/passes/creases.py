@@ -14,13 +14,18 @@ import math
 import numpy as np
 
 from flowabs_nodes.array_types import Array, Float64
+from flowabs_nodes.filters.passes.cracks import longer
 from flowabs_nodes.filters.passes.edges import CREASE, Edges, smoothstep
 from flowabs_nodes.filters.passes.near import MOVED, begin_at
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined, kernel
+from flowabs_nodes.simd.lanes import LANES, Floats, any_lane, sqrt
+from flowabs_nodes.simd.memory import load_triples
 
-_COLUMNS = 5  # x, y, nx, ny, strength
-_ALONGSIDE = 2.5  # px from an edge
+_COLUMNS = 6  # x, y, nx, ny, strength, excess
+_ACROSS = 0.4  # the cosine between row, or column, and the crease's normal below which it runs along the crease
+_ALONGSIDE = 2.5  # px: what is no further away goes along it
+_SHARPER = 1.3  # times as much excess
 _PARALLEL = 0.7  # the cosine from which directions are parallel
 
 
@@ -45,53 +50,83 @@ def _normalise(first: int, last: int, normal: Array, unit: Array) -> None:
             unit[y, x, 2] = c * inverse if there else 0
 
 
-def find_creases(unit: Array, crease_angle: float, crease_reach: float) -> Edges:
-    """Return the creases of unit normals, (H, W, 3)."""
+def find_creases(unit: Array, crease_angle: float, crease_reach: float) -> tuple[Edges, Float64]:
+    """Return the creases of unit normals, (H, W, 3), and the excess of each in degrees."""
     height = unit.shape[0]
-    tables = over_rows(_find, height, unit, crease_angle, crease_reach)
-    table = np.concatenate(tables)
+    table = np.concatenate(over_rows(_find, height, unit, unit.reshape(-1), crease_angle, crease_reach))
     rows = np.searchsorted(np.floor(table[:, 1]), np.arange(height + 1))
     zeros = np.zeros(len(table))
-    x, y, nx, ny, strength = (np.ascontiguousarray(column) for column in table.T)
-    return Edges(rows, x, y, nx, ny, strength, zeros, zeros, np.full(len(table), CREASE, np.int32))
+    x, y, nx, ny, strength, excess = (np.ascontiguousarray(column) for column in table.T)
+    return Edges(rows, x, y, nx, ny, strength, zeros, zeros, np.full(len(table), CREASE, np.int32)), excess
 
 
 @kernel
-def _find(first: int, last: int, unit: Array, theta: float, h: float) -> Float64:
-    """Return the table of the creases whose y is in the rows ``first`` .. ``last`` - 1, in order of rows."""
+def _find(first: int, last: int, unit: Array, flat: Array, theta: float, h: float) -> Float64:
+    """Return the table of the creases between the pixels of the rows ``first`` .. ``last`` - 1 and the next."""
     height, width = unit.shape[:2]
     table, count = np.empty((64, _COLUMNS)), 0
-    found = np.empty(4)
+    found = np.empty(5)
+    cosine = math.cos(math.radians(0.49 * theta))  # where normals turn less there is no strength
+    reach = int(math.ceil(h)) + 1
     for y in range(first, last):
-        for x in range(width):
-            for along_x in range(2):
-                if (x if along_x else y) + 1 >= (width if along_x else height):
-                    continue
-                if not _peak(unit, x, y, along_x, h, theta, found):
-                    continue
-                if count == table.shape[0]:
-                    longer = np.empty((2 * count, _COLUMNS))
-                    longer[:count] = table
-                    table = longer
-                strength, offset = found[0], found[1]
-                table[count, 0] = x + along_x * (0.5 + offset)
-                table[count, 1] = y + (1 - along_x) * (0.5 + offset)
-                table[count, 2], table[count, 3] = found[2], found[3]
-                table[count, 4] = strength
-                count += 1
+        x = 0
+        while x < width:
+            inside = reach <= x and x + LANES + reach < width and reach <= y and y + reach < height
+            end = x + LANES if inside else x + 1
+            below = not inside or _turns(flat, y * width + x, width, h, cosine)
+            right = not inside or _turns(flat, y * width + x, 1, h, cosine)
+            if not (below or right):
+                x = end
+                continue
+            while x < end:
+                for along_x in range(2):  # in order of x
+                    if not (right if along_x else below):
+                        continue
+                    if (x if along_x else y) + 1 >= (width if along_x else height):
+                        continue
+                    if not _peak(unit, x, y, along_x, h, theta, found):
+                        continue
+                    if count == table.shape[0]:
+                        table = longer(table)
+                    table[count, 0] = x + along_x * (0.5 + found[1])
+                    table[count, 1] = y + (1 - along_x) * (0.5 + found[1])
+                    table[count, 2], table[count, 3] = found[2], found[3]
+                    table[count, 4], table[count, 5] = found[0], found[4]
+                    count += 1
+                x += 1
     return table[:count].copy()
 
 
-def beside_no_edge(creases: Edges, edges: Edges) -> Edges:
-    """Return creases without those that go along an edge: at an edge normals turn too."""
+@inlined
+def _turns(flat: Array, pixel: int, forward: int, h: float, cosine: float) -> bool:
+    """Return whether normals h before and after a crack are apart by an angle of ``cosine``, for any of sixteen."""
+    a, b, c = _normals_at(flat, pixel, forward, 0.5 - h)
+    d, e, f = _normals_at(flat, pixel, forward, 0.5 + h)
+    size = (a * a + b * b + c * c) * (d * d + e * e + f * f)
+    turned: bool = any_lane((a * d + b * e + c * f < cosine * sqrt(size)) & (size > 0.005))
+    return turned
+
+
+@inlined
+def _normals_at(flat: Array, pixel: int, forward: int, along: float) -> tuple[Floats, Floats, Floats]:
+    """Return sixteen normals ``along`` pixels from the pixels on, between pixels a mean of two; 1 pixel is ``forward``."""
+    i = int(math.floor(along))
+    t = np.float32(along - i)
+    a, b, c = load_triples(flat, 3 * (pixel + i * forward))
+    d, e, f = load_triples(flat, 3 * (pixel + (i + 1) * forward))
+    return a + t * (d - a), b + t * (e - b), c + t * (f - c)
+
+
+def alone(creases: Edges, excess: Float64, edges: Edges) -> Edges:
+    """Return creases without those that go along an edge, where normals turn too, or along a sharper crease."""
     strength = creases.strength.copy()
-    over_rows(_fade, len(creases.rows) - 1, creases, edges, strength)
+    over_rows(_fade, len(creases.rows) - 1, creases, excess, edges, strength)
     return creases._replace(strength=strength)
 
 
 @kernel
-def _fade(first: int, last: int, creases: Edges, edges: Edges, strength: Float64) -> None:
-    """Fade what goes along edges of the creases in the rows ``first`` .. ``last`` - 1."""
+def _fade(first: int, last: int, creases: Edges, excess: Float64, edges: Edges, strength: Float64) -> None:
+    """Fade what goes along something of the creases in the rows ``first`` .. ``last`` - 1."""
     height, reach = edges.rows.size - 1, _ALONGSIDE + MOVED
     for e in range(creases.rows[first], creases.rows[last]):
         x, y, nx, ny = creases.x[e], creases.y[e], creases.nx[e], creases.ny[e]
@@ -101,23 +136,32 @@ def _fade(first: int, last: int, creases: Edges, edges: Edges, strength: Float64
                 dx, dy = edges.x[k] - x, edges.y[k] - y
                 if dx > reach:
                     break
-                along = abs(nx * edges.nx[k] + ny * edges.ny[k]) > _PARALLEL
-                if along and dx * dx + dy * dy <= _ALONGSIDE * _ALONGSIDE:
+                parallel = abs(nx * edges.nx[k] + ny * edges.ny[k]) > _PARALLEL
+                if parallel and dx * dx + dy * dy <= _ALONGSIDE * _ALONGSIDE:
                     beside = max(beside, edges.strength[k])
+            for k in range(begin_at(creases, j, x - _ALONGSIDE), creases.rows[j + 1]):
+                dx, dy = creases.x[k] - x, creases.y[k] - y
+                if dx > reach:
+                    break
+                apart, along = abs(dx * nx + dy * ny), abs(dy * nx - dx * ny)
+                parallel = abs(nx * creases.nx[k] + ny * creases.ny[k]) > _PARALLEL
+                if parallel and along <= 1 and 1 < apart <= _ALONGSIDE and excess[k] > _SHARPER * excess[e]:
+                    beside = max(beside, creases.strength[k])
         strength[e] *= 1 - beside
 
 
 @inlined
 def _peak(unit: Array, x: int, y: int, along_x: int, h: float, theta: float, found: Float64) -> bool:
-    """Return whether A has a peak between a pixel and the next; ``found`` is then its strength, offset, nx and ny."""
+    """Return whether A has a peak between a pixel and the next; ``found`` is then its strength, offset, normal, excess."""
     middle = _turn(unit, x, y, along_x, 0.5 - h, 0.5 + h)
-    if middle <= 0.25 * theta:
+    if middle <= 0.5 * theta:
         return False
     before, after = _turn(unit, x, y, along_x, -0.5 - h, -0.5 + h), _turn(unit, x, y, along_x, 1.5 - h, 1.5 + h)
     if before > middle or after >= middle:
         return False
     beside = _turn(unit, x, y, along_x, 0.5 - 3 * h, 0.5 - h) + _turn(unit, x, y, along_x, 0.5 + h, 0.5 + 3 * h)
-    strength = smoothstep(0.5 * theta, theta, middle - 0.5 * beside)
+    found[4] = middle - 0.5 * beside
+    strength = smoothstep(0.5 * theta, theta, found[4])
     if strength <= 0:
         return False
     curved = before - 2 * middle + after
@@ -128,7 +172,7 @@ def _peak(unit: Array, x: int, y: int, along_x: int, h: float, theta: float, fou
         xx, xy, yy = xx + gx * gx, xy + gx * gy, yy + gy * gy
     angle = 0.5 * math.atan2(2 * xy, xx - yy)
     found[2], found[3] = math.cos(angle), math.sin(angle)
-    return True
+    return abs(found[2] if along_x else found[3]) >= _ACROSS
 
 
 @inlined

@@ -83,12 +83,21 @@ def _draw(first: int, last: int, edges: Edges, creases: Edges, pens: Pens, drawi
                 folded = s * min(max(pens.crease_width / 2 - d + 0.5, 0.0), 1.0)
                 drawing.kinds[CREASE, y, x] = folded
                 ink = max(ink, folded)
-                if d < abs(nearest):
+                if crease_squares[j, x] < squares[j, x]:
                     nearest, strength = d, s
             drawing.lines[y, x] = 1 - ink
             if drawing.distance.size > 0:
                 drawing.distance[y, x] = min(max(nearest, -FAR), FAR)
                 drawing.strength[y, x] = strength * min(max((_FADED - abs(nearest)) / (_FADED - _BAND), 0.0), 1.0)
+
+
+@inlined
+def _between(slope: float, value: float, most: float) -> tuple[float, float]:
+    """Return the ends of the interval of t in which |value + slope t| is at most ``most``, at most 1e6 away."""
+    if abs(slope) < 1e-6:
+        return (-1e6, 1e6) if abs(value) <= most else (1.0, -1.0)
+    middle, half = -value / slope, most / abs(slope)
+    return max(middle - half, -1e6), min(middle + half, 1e6)
 
 
 @inlined
@@ -105,10 +114,15 @@ def _nearest(
             continue
         px, py, nx, ny = edges.x[e], edges.y[e], edges.nx[e], edges.ny[e]
         weaker = (_WEAKER * (1 - strength)) ** 2
-        high, wide = abs(ny) * reach + abs(nx) * most, abs(nx) * reach + abs(ny) * most
+        high = abs(ny) * reach + abs(nx) * most
         for y in range(max(first, int(math.ceil(py - high))), min(last, int(math.floor(py + high)) + 1)):
-            for x in range(max(0, int(math.ceil(px - wide))), min(width, int(math.floor(px + wide)) + 1)):
-                dx, dy = px - x, py - y
+            dy = py - y
+            # |dx nx + dy ny| <= reach and |dy nx - dx ny| <= most hold for dx from here to there.
+            low, top = _between(nx, dy * ny, reach)
+            low2, top2 = _between(ny, -dy * nx, most)
+            left, right = px - min(top, top2), px - max(low, low2)
+            for x in range(max(0, int(math.ceil(left))), min(width, int(math.floor(right)) + 1)):
+                dx = px - x
                 d, s = dx * nx + dy * ny, dy * nx - dx * ny
                 if abs(d) > reach or abs(s) > _HALF + _SPREAD * abs(d):
                     continue

@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowabs_nodes.array_types import Array
+from flowabs_nodes.array_types import Array, Int32
 from flowabs_nodes.filters.passes.affine_depth import Depth
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined, kernel
+from flowabs_nodes.simd.lanes import LANES, any_lane
+from flowabs_nodes.simd.memory import load
 
 _PASSES = 2  # a pixel whose neighbours are wrong too is reached by the second
 _AGREES = 0.02  # relative to the median
@@ -22,38 +24,51 @@ def own_depth(depth: Depth, ids: Array) -> Depth:
     u = depth.u
     for _ in range(_PASSES):
         agreeing = u.copy()
-        over_rows(_agree, u.shape[0], u, ids, agreeing)
+        over_rows(_agree, u.shape[0], u, ids, ids.reshape(-1).view(np.int32), agreeing)
         u = agreeing
     return depth._replace(u=u)
 
 
 @kernel
-def _agree(first: int, last: int, u: Array, ids: Array, agreeing: Array) -> None:
+def _agree(first: int, last: int, u: Array, ids: Array, flat_ids: Int32, agreeing: Array) -> None:
     """Replace what does not agree in the rows ``first`` .. ``last`` - 1 of ``agreeing``, a copy of ``u``."""
     height, width = u.shape
     near = np.empty(9, np.float32)
     for y in range(first, last):
-        for x in range(width):
-            own = ids[y, x]
-            right, below = min(x + 1, width - 1), min(y + 1, height - 1)
-            left, above = max(x - 1, 0), max(y - 1, 0)
-            same = ids[y, left] == own and ids[y, right] == own
-            same = same and ids[above, x] == own and ids[below, x] == own
-            same = same and ids[above, left] == own and ids[above, right] == own
-            if same and ids[below, left] == own and ids[below, right] == own:
+        x = 0
+        while x < width:
+            inside = 1 <= x and x + LANES < width and 1 <= y and y + 1 < height
+            end = x + LANES if inside else x + 1
+            if inside and _one_id(flat_ids, y * width + x, width):
+                x = end
                 continue
-            count = 0
-            for j in range(above, below + 1):
-                for i in range(left, right + 1):
-                    if ids[j, i] == own:
-                        near[count] = u[j, i]
-                        count += 1
-            _sort(near, count)
-            median, nearest = near[count - 1 - count // 2], near[count - 1]
-            allowed = np.float32(_AGREES) * abs(median)
-            if abs(u[y, x] - median) > allowed:
-                in_front = nearest > u[y, x] + np.float32(_AGREES) * abs(nearest)
-                agreeing[y, x] = nearest if in_front else median
+            while x < end:
+                own, count, around = ids[y, x], 0, 0
+                for j in range(max(y - 1, 0), min(y + 2, height)):
+                    for i in range(max(x - 1, 0), min(x + 2, width)):
+                        around += 1
+                        if ids[j, i] == own:
+                            near[count] = u[j, i]
+                            count += 1
+                if count < around:
+                    _sort(near, count)
+                    median, nearest, allowed = near[count - 1 - count // 2], near[count - 1], np.float32(_AGREES)
+                    if abs(u[y, x] - median) > allowed * abs(median):
+                        in_front = nearest > u[y, x] + allowed * abs(nearest)
+                        agreeing[y, x] = nearest if in_front else median
+                x += 1
+
+
+@inlined
+def _one_id(ids: Int32, pixel: int, width: int) -> bool:
+    """Return whether sixteen pixels, from ``pixel`` on, and all beside them have one id each with those beside it."""
+    own = load(ids, pixel)
+    others = own ^ own
+    for row in range(pixel - width, pixel + width + 1, width):
+        for i in range(row - 1, row + 2):
+            others = others | (own ^ load(ids, i))
+    differ: bool = any_lane(others > 0) or any_lane(others < 0)
+    return not differ
 
 
 @inlined

@@ -21,6 +21,7 @@ from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import kernel
 
 _STEEP = math.radians(15.0)  # of the normals' turn in a pixel: full strength
+_CERTAIN = 0.1  # of full strength: weaker bends, down to the noise of a flat face, lean on what is around
 _EDGE = 3.0  # what an edge counts
 _REACH = 3  # px, of its Gaussian
 _INSTEAD = 4.0  # how fast the normals' part fades beside an edge
@@ -31,9 +32,9 @@ def passes_flow(edges: Edges, unit: Array | None, shape: tuple[int, int], radius
     if unit is None:
         tangent, magnitude = np.zeros((*shape, 2), np.float32), np.zeros(shape, np.float32)
     else:
-        tangent, magnitude = gradient.gradient(unit / np.float32(_STEEP))
+        tangent, magnitude = gradient.gradient(unit)
     largest = max(over_rows(_with_edges, shape[0], edges, tangent, magnitude))
-    tangent = flow_fill(tangent, magnitude, 0.0, largest)
+    tangent = flow_fill(tangent, magnitude, _CERTAIN, largest)
     if iterations == 0 or radius <= 1:
         return tangent
     return smooth(tangent, magnitude, 1.0, iterations, footprint_passes("full", [radius], *shape))
@@ -56,7 +57,7 @@ def _with_edges(first: int, last: int, edges: Edges, tangent: Array, magnitude: 
     largest = 0.0
     for y in range(first, last):
         for x in range(width):
-            m = min(np.float64(magnitude[y, x]), 1.0)
+            m = min(magnitude[y, x] / _STEEP, 1.0)
             xx, xy, yy = tensor[y - first, x, 0], tensor[y - first, x, 1], tensor[y - first, x, 2]
             if xx + yy > 0:
                 of_normals = m * m * max(1 - _INSTEAD * (xx + yy), 0)
