@@ -79,9 +79,7 @@ class _Flat(NamedTuple):
 
 
 def _flat(passes: Passes) -> _Flat:
-    return _Flat(
-        passes.u.reshape(-1), passes.id.reshape(-1).view(np.int32), passes.material.reshape(-1).view(np.int32)
-    )
+    return _Flat(passes.u.reshape(-1), passes.id.reshape(-1).view(np.int32), passes.material.reshape(-1).view(np.int32))
 
 
 @kernel
