@@ -30,7 +30,8 @@ def run_node(
 ) -> dict[str, Image]:
     """Return the node's outputs, all or the one wanted, decoded, with defaults for what ``params`` leaves out.
 
-    Of an input that the node reads on several frames, the other frames are made from its image (:func:`on_frame`).
+    ``frame`` is one on which what changes every few frames has changed, however many these are by default. Of an input
+    that the node reads on several frames, the other frames are made from its image (:func:`on_frame`).
     """
     context = Context(frame=frame, node=node.type, wanted=frozenset({wanted} if wanted else ()))
     with error_boundary(node.type):

@@ -20,8 +20,8 @@ WORKERS = {
     "read_aov": (read_data,),
     "write": (build_picture,),
 }
-#: They come from the run, or from inputs of other names.
-NOT_PARAMETERS = {"alpha", "frame", "origin", "settings", "note", "warn", "layers"}
+#: They come from the run, or from inputs and parameters of other names.
+NOT_PARAMETERS = {"alpha", "pens", "frame", "origin", "settings", "note", "warn", "layers"}
 
 
 def workers(type):

@@ -134,7 +134,7 @@ def ink_lines(
 
 
 def _mattes(mattes: Mapping[str, npt.ArrayLike], shape: tuple[int, ...]) -> list[Array]:
-    """Return the matte of each kind, of no pixels where there is none."""
+    """Return the matte of each kind, of no pixels where there is none, or no line in it."""
     for name in mattes:
         if name not in _KINDS:
             raise ArgumentError(f"mattes: there is no kind {name!r}", hint=nearest(name, _KINDS), parameter="mattes")
@@ -143,7 +143,8 @@ def _mattes(mattes: Mapping[str, npt.ArrayLike], shape: tuple[int, ...]) -> list
             f"expected at least one of {', '.join(_KINDS)}, found none", code="missing-input", parameter="mattes"
         )
     none = np.empty((0, 0), np.float32)
-    return [validate.plane(name, mattes[name], shape) if name in mattes else none for name in _KINDS]
+    found = {name: validate.plane(name, matte, shape) for name, matte in mattes.items()}
+    return [found[name] if name in found and found[name].any() else none for name in _KINDS]
 
 
 def _of_pens(pens: Mapping[str, Pen]) -> tuple[Array, Array]:
