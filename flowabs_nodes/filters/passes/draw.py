@@ -120,10 +120,10 @@ def _nearest(first: int, last: int, edges: Edges, squares: Float64, signed: Floa
             for x in range(max(0, math.ceil(left)), min(width, math.floor(right) + 1)):
                 dx = px - x
                 d, s = dx * nx + dy * ny, dy * nx - dx * ny
-                if abs(d) > FAR or abs(s) > _HALF + _SPREAD * abs(d):
+                square = d * d + s * s
+                if square > FAR * FAR or abs(s) > _HALF + _SPREAD * abs(d):
                     continue
-                square = d * d + s * s + weaker
-                if square < squares[y - first, x]:
-                    squares[y - first, x] = square
+                if square + weaker < squares[y - first, x]:
+                    squares[y - first, x] = square + weaker
                     signed[y - first, x] = d
                     which[y - first, x] = e

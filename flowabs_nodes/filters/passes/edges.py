@@ -124,11 +124,11 @@ def _vote(table: Float64, rows: Int64, e: int, depth_step: float) -> tuple[float
     own = table[e]
     vote, steps, weights = 0.0, 0.0, 0.0
     y0 = int(own[Y])
-    for y in range(max(y0 - _REACH, 0), min(y0 + _REACH + 1, rows.size - 1)):
+    for y in range(max(y0 - _REACH - 1, 0), min(y0 + _REACH + 2, rows.size - 1)):
         for k in range(rows[y], rows[y + 1]):
             other = table[k]
             dx, dy = other[X] - own[X], other[Y] - own[Y]
-            if abs(dx) > _REACH or other[KNOWN_BY] != own[KNOWN_BY]:
+            if dx * dx + dy * dy > _REACH * _REACH or other[KNOWN_BY] != own[KNOWN_BY]:
                 continue
             same = other[FIRST] == own[FIRST] and other[SECOND] == own[SECOND]
             turned = other[FIRST] == own[SECOND] and other[SECOND] == own[FIRST]

@@ -68,11 +68,13 @@ def _direct(first: int, last: int, edges: Edges, two_sided: bool, nx: Float64, n
     for e in range(edges.rows[first], edges.rows[last]):
         x, y, ex, ey = edges.x[e], edges.y[e], edges.nx[e], edges.ny[e]
         sx, sy = 0.0, 0.0
-        for j in range(max(int(y) - _DIRECTION_REACH, 0), min(int(y) + _DIRECTION_REACH + 1, height)):
+        for j in range(max(int(y) - _DIRECTION_REACH - 1, 0), min(int(y) + _DIRECTION_REACH + 2, height)):
             for k in range(begin_at(edges, j, x - _DIRECTION_REACH), edges.rows[j + 1]):
                 dx, dy = edges.x[k] - x, edges.y[k] - y
                 if dx > _DIRECTION_REACH:
                     break
+                if dx * dx + dy * dy > _DIRECTION_REACH * _DIRECTION_REACH:
+                    continue
                 kx, ky = edges.nx[k], edges.ny[k]
                 if (kx * ex + ky * ey < 0 and not two_sided) or not _same_stroke(edges, e, k):
                     continue
@@ -108,6 +110,8 @@ def _fit(first: int, last: int, edges: Edges, sigma: float, two_sided: bool, mad
                     alike = abs(alike)
                 if alike < 0.5 or abs(s) > reach or abs(h) > _APART or not _same_stroke(edges, e, k):
                     continue
+                bend = (nx * edges.ny[k] - ny * edges.nx[k]) / (nx * edges.nx[k] + ny * edges.ny[k])
+                h += 0.5 * s * bend
                 g = alike * alike * math.exp(-s * s / (2 * sigma * sigma))
                 w = edges.strength[k] * g
                 count, w0, w1, w2, h0, h1 = count + g, w0 + w, w1 + w * s, w2 + w * s * s, h0 + w * h, h1 + w * s * h
