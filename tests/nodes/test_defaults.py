@@ -21,7 +21,8 @@ WORKERS = {
     "write": (build_picture,),
 }
 #: They come from the inputs or the run.
-NOT_PARAMETERS = {"alpha", "mask", "response", "settings", "note", "warn", "layers"}
+NOT_PARAMETERS = {"alpha", "mask", "response", "settings", "note", "warn", "layers", "before", "after"}
+NOT_PARAMETERS |= {"guides", "depths", "normals", "alphas"}
 
 
 def workers(type):
