@@ -176,7 +176,7 @@ MOTION_WINDOW = Node(
             in_key=False,  # an error is no picture
             label="At the ends",
             group="Window",
-            help="Where frames are not there, at the ends of a sequence or behind a hole: a smaller window, or none.",
+            help="What to do where frames are not there: before the first, after the last, or behind a hole.",
         ),
         Param.float(
             "agreement",

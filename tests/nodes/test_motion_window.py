@@ -31,10 +31,8 @@ def said():
 def run(said):
     """Return a function that runs the node and gives its outputs; what it says is in ``said``."""
 
-    def run(inputs, wanted=(), **params):
-        context = Context(
-            frame=1010, wanted=frozenset(wanted), note=said.append, warn=lambda text: said.append(f"warning: {text}")
-        )
+    def run(inputs, **params):
+        context = Context(frame=1010, note=said.append, warn=lambda text: said.append(f"warning: {text}"))
         return call_node(MOTION_WINDOW, context, inputs, params)
 
     return run

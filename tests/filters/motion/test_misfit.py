@@ -6,11 +6,6 @@ import pytest
 from flowabs_nodes.filters import motion_window
 from tests.filters.motion.scenes import Scene
 
-CONVENTIONS = {
-    "right": [0, 1, 2, 3],
-    "forward for backward": [2, 3, 0, 1],
-}
-
 
 def misfit(scene, channels=(0, 1, 2, 3), signs=(1, 1, 1, 1), noise=0.0, what="code"):
     random = np.random.default_rng(1)
