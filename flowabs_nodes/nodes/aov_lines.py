@@ -36,14 +36,14 @@ def run_aov_lines(
 
     passes = {"depth": depth, "normal": normal, "id": id, "coverage": coverage, "material": material}
     given = {name: each for name, each in passes.items() if each is not None}
-    arrays = {name: each.pixels if name == "normal" else each.pixels[..., 0] for name, each in given.items()}
+    arrays: dict[str, Any] = {
+        name: each.pixels if name == "normal" else each.pixels[..., 0] for name, each in given.items()
+    }
     wanted = context.wanted or frozenset(_OUTPUTS)
     first = next(iter(given.values()), None)
     view = None if first is None else View(*_camera_axis(first))
     made = filters.aov_lines(**arrays, **params, view=view, outputs=wanted)
     assert first is not None  # without any the filter has said so
-    if depth is not None and not (arrays["depth"] < _NEARER_THAN_ALL).any():
-        context.warn("depth is background everywhere")
     return {name: first.with_pixels(getattr(made, name), _OUTPUTS[name]) for name in _OUTPUTS if name in wanted}
 
 
@@ -55,8 +55,6 @@ def _camera_axis(image: Image) -> tuple[float, float, int, float]:
     return x, y, display.width, aspect if aspect > 0 else 1.0
 
 
-_NEARER_THAN_ALL = 65504.0
-
 AOV_LINES = Node(
     type="aov_lines",
     version=1,
@@ -64,13 +62,12 @@ AOV_LINES = Node(
     category="lines",
     help="Draws lines from a render's passes: outlines, objects, materials, creases; steady in motion.",
     doc=(
-        "Looks at depth, normals and ids and not at light, so shadows, textures and noise make no lines. At least one of "
-        "depth, normal and id is needed; each adds what it shows. Depth: where one surface lies before another, however "
-        "steeply it runs away. Ids: wherever two objects meet, also where they touch. Normals: creases. Lines lie on "
-        "the near side of their edge, creases on both. Each edge is of one kind, whose ink is an output of its own: "
-        "outline (before the background), object (before another surface), material (within an object), crease, and "
-        "intersection (two objects that touch). Edges are found between pixels, whose staircase sigma_m smooths. "
-        "Passes should be without anti-aliasing or noise of their own."
+        "Looks at depth, normals and ids and not at light, so shadows, textures and noise make no lines. At least one "
+        "of depth, normal and id is needed; each adds what it shows. Depth: where one surface lies before another, "
+        "however steeply it runs away. Ids: wherever two objects meet, also where they touch. Normals: creases. Lines "
+        "lie on the near side of their edge, creases on both. Each edge is of one kind, whose ink is an output of its "
+        "own: outline (before the background), object (before another surface), material (within an object), crease, "
+        "and intersection (two objects that touch). Passes should be without anti-aliasing or noise of their own."
     ),
     inputs=(
         Port("depth", "depth", "Distance from the camera.", optional=True),

@@ -8,21 +8,19 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from flowabs_nodes.array_types import Array
+from flowabs_nodes.array_types import Array, Uint32
 from flowabs_nodes.choices import PROJECTIONS
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import validate
 from flowabs_nodes.filters.passes.affine_depth import View, affine_depth, no_depth
 from flowabs_nodes.filters.passes.cracks import Passes, find_cracks
 from flowabs_nodes.filters.passes.creases import alone, find_creases, unit_normals
-from flowabs_nodes.filters.passes.draw import FAR, Pens, draw
+from flowabs_nodes.filters.passes.draw import Pens, draw
 from flowabs_nodes.filters.passes.edges import edges_of, no_edges
 from flowabs_nodes.filters.passes.fit import directed, fitted
 from flowabs_nodes.filters.passes.own_depth import own_depth
 from flowabs_nodes.filters.passes.passes_flow import passes_flow
 from flowabs_nodes.port_types import pixel_type
-
-Ids = npt.NDArray[np.uint32]
 
 
 class AovLines(NamedTuple):
@@ -141,14 +139,19 @@ def aov_lines(
         creases = fitted(directed(found, two_sided=True), sigma_m, two_sided=True)
 
     measured = "strength" in outputs or "distance" in outputs
-    pens = Pens(width, crease_width, FAR if measured else width + 1, FAR if measured else crease_width / 2 + 1)
-    drawing = draw(edges, creases, pens, height, wide, measured)
+    drawing = draw(edges, creases, Pens(width, crease_width), height, wide, measured)
+    flow = passes_flow(edges, unit, (height, wide), radius, iterations) if "flow" in outputs else None
+    outline, object, material_change, crease, intersection = drawing.kinds
     return AovLines(
-        drawing.lines,
-        *drawing.kinds,
+        lines=drawing.lines,
+        outline=outline,
+        object=object,
+        material=material_change,
+        crease=crease,
+        intersection=intersection,
         strength=drawing.strength if measured else None,
         distance=drawing.distance if measured else None,
-        flow=passes_flow(edges, unit, (height, wide), radius, iterations) if "flow" in outputs else None,
+        flow=flow,
     )
 
 
@@ -168,7 +171,7 @@ def _normals(normal: npt.ArrayLike | None, shape: tuple[int, int]) -> Array | No
     return None if normal is None else validate.planes("normal", normal, shape, check_finite=False)
 
 
-def _ids(name: str, value: npt.ArrayLike | None, shape: tuple[int, int]) -> Ids:
+def _ids(name: str, value: npt.ArrayLike | None, shape: tuple[int, int]) -> Uint32:
     """Return whole numbers as (H, W) uint32, of no pixels where there are none."""
     if value is None:
         return np.empty((0, 0), np.uint32)
@@ -177,12 +180,13 @@ def _ids(name: str, value: npt.ArrayLike | None, shape: tuple[int, int]) -> Ids:
         expected = f"(H, W) of the picture, {shape}"
         raise ArgumentError(f"{name}: expected shape {expected}, found {ids.shape}", parameter=name)
     try:
-        return pixel_type("id").cast(ids, whole_floats=True)
+        whole: Uint32 = pixel_type("id").cast(ids, whole_floats=True)
     except ArgumentError as error:
         raise ArgumentError(f"{name}: {error.message}", parameter=name) from None
+    return whole
 
 
-def _coverage(coverage: npt.ArrayLike | None, ids: Ids) -> Array:
+def _coverage(coverage: npt.ArrayLike | None, ids: Uint32) -> Array:
     """Return the coverage of ids as (H, W), of no pixels where there is none."""
     if coverage is None:
         return np.empty((0, 0), np.float32)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from flowabs_nodes.array_types import Array, Float64, Int32, Int64
+from flowabs_nodes.array_types import Array, Float64, Int32, Int64, Uint32
 from flowabs_nodes.filters.passes.depth_steps import apart, may_step, relative_step
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined, kernel
@@ -47,9 +47,9 @@ class Passes(NamedTuple):
     u: Array
     far: float
     unknown: float
-    id: Array  # uint32
+    id: Uint32
     coverage: Array
-    material: Array  # uint32
+    material: Uint32
 
 
 class Cracks(NamedTuple):
@@ -66,7 +66,7 @@ def in_rows(tables: list[Float64], height: int) -> Cracks:
 
 
 def find_cracks(passes: Passes, height: int, depth_step: float) -> Cracks:
-    """Return every crack of the passes with a depth step from ``depth_step`` / 4 on, or between two ids or materials."""
+    """Return every crack with a depth step from ``depth_step`` / 4 on, or between two ids or materials."""
     return in_rows(over_rows(_find, height, passes, _flat(passes), depth_step), height)
 
 
@@ -96,7 +96,7 @@ def _find(first: int, last: int, passes: Passes, flat: _Flat, depth_step: float)
         x = 0
         while x < width:
             # Sixteen pixels at a time where four in a row are inside the picture, else pixel by pixel.
-            inside = 1 <= x and x + LANES + 1 < width and 1 <= y and y + 2 < height
+            inside = x >= 1 and x + LANES + 1 < width and y >= 1 and y + 2 < height
             end = x + LANES if inside else x + 1
             below, right = True, True
             if inside:
@@ -150,7 +150,7 @@ def _differ(ids: Int32, pixel: int, forward: int) -> bool:
 
 
 @inlined
-def _known_by(ids: Array, materials: Array, x: int, y: int, x1: int, y1: int) -> int:
+def _known_by(ids: Uint32, materials: Uint32, x: int, y: int, x1: int, y1: int) -> int:
     """Return ID or MATERIAL where two pixels have not the same, -1 where they have."""
     if ids.size > 0 and ids[y, x] != ids[y1, x1]:
         return ID
@@ -168,7 +168,7 @@ def longer(table: Float64) -> Float64:
 
 
 @inlined
-def _beside_an_id(ids: Array, x: int, y: int, x1: int, y1: int) -> bool:
+def _beside_an_id(ids: Uint32, x: int, y: int, x1: int, y1: int) -> bool:
     """Return whether a pixel of another id lies beside one of two neighbouring pixels of one id."""
     if ids.size == 0:
         return False
@@ -184,9 +184,9 @@ def _beside_an_id(ids: Array, x: int, y: int, x1: int, y1: int) -> bool:
 def _note(
     u: Array,
     far: float,
-    ids: Array,
+    ids: Uint32,
     coverage: Array,
-    materials: Array,
+    materials: Uint32,
     x: int,
     y: int,
     x1: int,

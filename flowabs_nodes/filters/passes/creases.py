@@ -67,7 +67,7 @@ def _find(first: int, last: int, unit: Array, flat: Array, theta: float, h: floa
     table, count = np.empty((64, _COLUMNS)), 0
     found = np.empty(5)
     cosine = math.cos(math.radians(0.49 * theta))  # where normals turn less there is no strength
-    reach = int(math.ceil(h)) + 1
+    reach = math.ceil(h) + 1
     for y in range(first, last):
         x = 0
         while x < width:
@@ -109,8 +109,8 @@ def _turns(flat: Array, pixel: int, forward: int, h: float, cosine: float) -> bo
 
 @inlined
 def _normals_at(flat: Array, pixel: int, forward: int, along: float) -> tuple[Floats, Floats, Floats]:
-    """Return sixteen normals ``along`` pixels from the pixels on, between pixels a mean of two; 1 pixel is ``forward``."""
-    i = int(math.floor(along))
+    """Return normals ``along`` steps of ``forward`` from sixteen pixels, between pixels a mean of two."""
+    i = math.floor(along)
     t = np.float32(along - i)
     a, b, c = load_triples(flat, 3 * (pixel + i * forward))
     d, e, f = load_triples(flat, 3 * (pixel + (i + 1) * forward))
@@ -152,7 +152,7 @@ def _fade(first: int, last: int, creases: Edges, excess: Float64, edges: Edges, 
 
 @inlined
 def _peak(unit: Array, x: int, y: int, along_x: int, h: float, theta: float, found: Float64) -> bool:
-    """Return whether A has a peak between a pixel and the next; ``found`` is then its strength, offset, normal, excess."""
+    """Return whether A has a peak between a pixel and the next, and note its strength, offset, normal and excess."""
     middle = _turn(unit, x, y, along_x, 0.5 - h, 0.5 + h)
     if middle <= 0.5 * theta:
         return False
@@ -168,11 +168,14 @@ def _peak(unit: Array, x: int, y: int, along_x: int, h: float, theta: float, fou
     found[0], found[1] = strength, (0.5 * (before - after) / curved if curved < -1e-6 else 0.0)
     xx, xy, yy = 0.0, 0.0, 0.0
     for c in range(3):
-        gx, gy = _gradient(unit, x, y, along_x, c)
+        gx, gy = _sobel(unit, x, y, c)
+        hx, hy = _sobel(unit, x + along_x, y + 1 - along_x, c)
+        gx, gy = gx + hx, gy + hy
         xx, xy, yy = xx + gx * gx, xy + gx * gy, yy + gy * gy
     angle = 0.5 * math.atan2(2 * xy, xx - yy)
     found[2], found[3] = math.cos(angle), math.sin(angle)
-    return abs(found[2] if along_x else found[3]) >= _ACROSS
+    across: bool = abs(found[2] if along_x else found[3]) >= _ACROSS
+    return across
 
 
 @inlined
@@ -202,15 +205,12 @@ def _normal_at(unit: Array, x: int, y: int, along_x: int, along: float) -> tuple
 
 
 @inlined
-def _gradient(unit: Array, x: int, y: int, along_x: int, c: int) -> tuple[float, float]:
-    """Return the gradient of a component of the normal between a pixel and the next, over four pixels by four."""
+def _sobel(unit: Array, x: int, y: int, c: int) -> tuple[float, float]:
+    """Return the gradient of a component of the normal at a pixel, times 8."""
     height, width = unit.shape[:2]
-    x1, y1 = x + along_x, y + 1 - along_x
-    gx, gy = 0.0, 0.0
-    for k in range(-1, 2):
-        xa, ya = min(max(x + k * (1 - along_x), 0), width - 1), min(max(y + k * along_x, 0), height - 1)
-        xb, yb = min(max(x1 + k * (1 - along_x), 0), width - 1), min(max(y1 + k * along_x, 0), height - 1)
-        w = 2.0 if k == 0 else 1.0
-        gx += w * (unit[yb, min(xb + 1, width - 1), c] - unit[ya, max(xa - 1, 0), c])
-        gy += w * (unit[min(yb + 1, height - 1), xb, c] - unit[max(ya - 1, 0), xa, c])
-    return gx, gy
+    left, right, above, below = max(x - 1, 0), min(x + 1, width - 1), max(y - 1, 0), min(y + 1, height - 1)
+    gx = unit[above, right, c] + 2 * unit[y, right, c] + unit[below, right, c]
+    gx -= unit[above, left, c] + 2 * unit[y, left, c] + unit[below, left, c]
+    gy = unit[below, left, c] + 2 * unit[below, x, c] + unit[below, right, c]
+    gy -= unit[above, left, c] + 2 * unit[above, x, c] + unit[above, right, c]
+    return np.float64(gx), np.float64(gy)

@@ -33,18 +33,20 @@ def relative_step(u: Array, far: float, unknown: float, x: int, y: int, x1: int,
         a, b = unknown if a <= far else a, unknown if b <= far else b
         c, d = unknown if c <= far else c, unknown if d <= far else d
     own, beyond, raw = (2 * b - a) - c, b - (2 * c - d), b - c
+    step = 0.0
     if raw > 0 and own > 0 and beyond > 0:
-        return min(own, beyond, raw) / max(abs(b), abs(c))
-    if raw < 0 and own < 0 and beyond < 0:
-        return max(own, beyond, raw) / max(abs(b), abs(c))
-    return 0.0
+        step = min(own, beyond, raw) / max(abs(b), abs(c))
+    elif raw < 0 and own < 0 and beyond < 0:
+        step = max(own, beyond, raw) / max(abs(b), abs(c))
+    return step
 
 
 @inlined
 def apart(u: Array, x: int, y: int, x1: int, y1: int) -> float:
     """Return how far, in u, the first pixel's surface lies before the second's at the crack between them."""
     a, b, c, d = _four(u, x, y, x1, y1)
-    return (1.5 * b - 0.5 * a) - (1.5 * c - 0.5 * d)
+    gap: float = (1.5 * b - 0.5 * a) - (1.5 * c - 0.5 * d)
+    return gap
 
 
 @inlined

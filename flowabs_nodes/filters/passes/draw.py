@@ -28,12 +28,10 @@ _BAND, _FADED = 2.0, 3.0  # px: strength is told this near an edge, and no more 
 
 
 class Pens(NamedTuple):
-    """Widths in pixels, and how far away edges are looked for."""
+    """Widths in pixels."""
 
     width: float
     crease_width: float
-    reach: float
-    crease_reach: float
 
 
 class Drawing(NamedTuple):
@@ -65,8 +63,8 @@ def _draw(first: int, last: int, edges: Edges, creases: Edges, pens: Pens, drawi
     shape = last - first, width
     squares, signed, which = np.full(shape, np.inf), np.empty(shape), np.full(shape, -1, np.int32)
     crease_squares, unsigned, crease = np.full(shape, np.inf), np.empty(shape), np.full(shape, -1, np.int32)
-    _nearest(first, last, edges, pens.reach, squares, signed, which)
-    _nearest(first, last, creases, pens.crease_reach, crease_squares, unsigned, crease)
+    _nearest(first, last, edges, squares, signed, which)
+    _nearest(first, last, creases, crease_squares, unsigned, crease)
     for y in range(first, last):
         j = y - first
         for x in range(width):
@@ -101,33 +99,31 @@ def _between(slope: float, value: float, most: float) -> tuple[float, float]:
 
 
 @inlined
-def _nearest(
-    first: int, last: int, edges: Edges, reach: float, squares: Float64, signed: Float64, which: Int32
-) -> None:
-    """Write d and the index of the nearest point within ``reach`` of each pixel of the rows first .. last - 1."""
+def _nearest(first: int, last: int, edges: Edges, squares: Float64, signed: Float64, which: Int32) -> None:
+    """Write d and the index of the nearest point, within FAR, of each pixel of the rows first .. last - 1."""
     height, width = edges.rows.size - 1, signed.shape[1]
-    most = _HALF + _SPREAD * reach
-    margin = int(math.ceil(math.hypot(reach, most))) + 2
+    most = _HALF + _SPREAD * FAR
+    margin = math.ceil(math.hypot(FAR, most)) + 2
     for e in range(edges.rows[max(first - margin, 0)], edges.rows[min(last + margin, height)]):
         strength = edges.strength[e]
         if strength <= 0:
             continue
         px, py, nx, ny = edges.x[e], edges.y[e], edges.nx[e], edges.ny[e]
         weaker = (_WEAKER * (1 - strength)) ** 2
-        high = abs(ny) * reach + abs(nx) * most
-        for y in range(max(first, int(math.ceil(py - high))), min(last, int(math.floor(py + high)) + 1)):
+        high = abs(ny) * FAR + abs(nx) * most
+        for y in range(max(first, math.ceil(py - high)), min(last, math.floor(py + high) + 1)):
             dy = py - y
-            # |dx nx + dy ny| <= reach and |dy nx - dx ny| <= most hold for dx from here to there.
-            low, top = _between(nx, dy * ny, reach)
+            # |dx nx + dy ny| <= FAR and |dy nx - dx ny| <= most hold for dx from here to there.
+            low, top = _between(nx, dy * ny, FAR)
             low2, top2 = _between(ny, -dy * nx, most)
             left, right = px - min(top, top2), px - max(low, low2)
-            for x in range(max(0, int(math.ceil(left))), min(width, int(math.floor(right)) + 1)):
+            for x in range(max(0, math.ceil(left)), min(width, math.floor(right) + 1)):
                 dx = px - x
                 d, s = dx * nx + dy * ny, dy * nx - dx * ny
-                if abs(d) > reach or abs(s) > _HALF + _SPREAD * abs(d):
+                square = d * d + s * s
+                if square > FAR * FAR or abs(s) > _HALF + _SPREAD * abs(d):
                     continue
-                square = d * d + s * s + weaker
-                if square < squares[y - first, x]:
-                    squares[y - first, x] = square
+                if square + weaker < squares[y - first, x]:
+                    squares[y - first, x] = square + weaker
                     signed[y - first, x] = d
                     which[y - first, x] = e

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from flowabs_nodes.array_types import Array, Float64, Int32, Int64
+from flowabs_nodes.array_types import Float64, Int32, Int64
 from flowabs_nodes.filters.passes.cracks import (
     ALONG_X,
     BEHIND,
@@ -82,8 +82,8 @@ def no_edges(height: int) -> Edges:
 
 def new_edges(rows: Int64, count: int) -> Edges:
     """Return memory for ``count`` edges."""
-    numbers = (np.empty(count) for _ in range(7))
-    return Edges(rows, *numbers, np.empty(count, np.int32))
+    x, y, nx, ny, strength, surface, depth = (np.empty(count) for _ in range(7))
+    return Edges(rows, x, y, nx, ny, strength, surface, depth, np.empty(count, np.int32))
 
 
 @kernel
@@ -124,11 +124,11 @@ def _vote(table: Float64, rows: Int64, e: int, depth_step: float) -> tuple[float
     own = table[e]
     vote, steps, weights = 0.0, 0.0, 0.0
     y0 = int(own[Y])
-    for y in range(max(y0 - _REACH, 0), min(y0 + _REACH + 1, rows.size - 1)):
+    for y in range(max(y0 - _REACH - 1, 0), min(y0 + _REACH + 2, rows.size - 1)):
         for k in range(rows[y], rows[y + 1]):
             other = table[k]
             dx, dy = other[X] - own[X], other[Y] - own[Y]
-            if abs(dx) > _REACH or other[KNOWN_BY] != own[KNOWN_BY]:
+            if dx * dx + dy * dy > _REACH * _REACH or other[KNOWN_BY] != own[KNOWN_BY]:
                 continue
             same = other[FIRST] == own[FIRST] and other[SECOND] == own[SECOND]
             turned = other[FIRST] == own[SECOND] and other[SECOND] == own[FIRST]

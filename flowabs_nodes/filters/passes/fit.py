@@ -47,7 +47,8 @@ def fitted(edges: Edges, sigma_m: float, two_sided: bool = False) -> Edges:
     """
     if sigma_m == 0:
         return edges
-    made = edges._replace(**{name: np.empty_like(edges.x) for name in ("x", "y", "nx", "ny", "strength")})
+    x, y, nx, ny, strength = (np.empty_like(edges.x) for _ in range(5))
+    made = edges._replace(x=x, y=y, nx=nx, ny=ny, strength=strength)
     over_rows(_fit, len(edges.rows) - 1, edges, sigma_m, two_sided, made)
     return made
 
@@ -56,7 +57,8 @@ def fitted(edges: Edges, sigma_m: float, two_sided: bool = False) -> Edges:
 def _same_stroke(edges: Edges, e: int, k: int) -> bool:
     """Return whether two points may be of one stroke: their near sides have one id, and about the same depth."""
     u, v = edges.depth[e], edges.depth[k]
-    return edges.surface[e] == edges.surface[k] and abs(u - v) <= _SAME_SURFACE * max(abs(u), abs(v))
+    same: bool = edges.surface[e] == edges.surface[k] and abs(u - v) <= _SAME_SURFACE * max(abs(u), abs(v))
+    return same
 
 
 @kernel
@@ -66,11 +68,13 @@ def _direct(first: int, last: int, edges: Edges, two_sided: bool, nx: Float64, n
     for e in range(edges.rows[first], edges.rows[last]):
         x, y, ex, ey = edges.x[e], edges.y[e], edges.nx[e], edges.ny[e]
         sx, sy = 0.0, 0.0
-        for j in range(max(int(y) - _DIRECTION_REACH, 0), min(int(y) + _DIRECTION_REACH + 1, height)):
+        for j in range(max(int(y) - _DIRECTION_REACH - 1, 0), min(int(y) + _DIRECTION_REACH + 2, height)):
             for k in range(begin_at(edges, j, x - _DIRECTION_REACH), edges.rows[j + 1]):
                 dx, dy = edges.x[k] - x, edges.y[k] - y
                 if dx > _DIRECTION_REACH:
                     break
+                if dx * dx + dy * dy > _DIRECTION_REACH * _DIRECTION_REACH:
+                    continue
                 kx, ky = edges.nx[k], edges.ny[k]
                 if (kx * ex + ky * ey < 0 and not two_sided) or not _same_stroke(edges, e, k):
                     continue
@@ -95,7 +99,7 @@ def _fit(first: int, last: int, edges: Edges, sigma: float, two_sided: bool, mad
     for e in range(edges.rows[first], edges.rows[last]):
         x, y, nx, ny = edges.x[e], edges.y[e], edges.nx[e], edges.ny[e]
         count, w0, w1, w2, h0, h1 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        for j in range(max(int(math.floor(y - reach)), 0), min(int(math.floor(y + reach)) + 1, height)):
+        for j in range(max(math.floor(y - reach), 0), min(math.floor(y + reach) + 1, height)):
             for k in range(begin_at(edges, j, x - reach), edges.rows[j + 1]):
                 dx, dy = edges.x[k] - x, edges.y[k] - y
                 if dx > reach + MOVED:
@@ -106,6 +110,8 @@ def _fit(first: int, last: int, edges: Edges, sigma: float, two_sided: bool, mad
                     alike = abs(alike)
                 if alike < 0.5 or abs(s) > reach or abs(h) > _APART or not _same_stroke(edges, e, k):
                     continue
+                bend = (nx * edges.ny[k] - ny * edges.nx[k]) / (nx * edges.nx[k] + ny * edges.ny[k])
+                h += 0.5 * s * bend
                 g = alike * alike * math.exp(-s * s / (2 * sigma * sigma))
                 w = edges.strength[k] * g
                 count, w0, w1, w2, h0, h1 = count + g, w0 + w, w1 + w * s, w2 + w * s * s, h0 + w * h, h1 + w * s * h

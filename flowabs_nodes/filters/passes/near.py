@@ -12,7 +12,8 @@ MOVED = 1.0
 @inlined
 def begin_at(edges: Edges, y: int, x: float) -> int:
     """Return the index of the first point of row y that may have an x of at least ``x``."""
-    low, high = edges.rows[y], edges.rows[y + 1]
+    low: int = edges.rows[y]
+    high: int = edges.rows[y + 1]
     while low < high:
         middle = (low + high) // 2
         if edges.x[middle] < x - MOVED:

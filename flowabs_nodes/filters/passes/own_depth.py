@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowabs_nodes.array_types import Array, Int32
+from flowabs_nodes.array_types import Array, Int32, Uint32
 from flowabs_nodes.filters.passes.affine_depth import Depth
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined, kernel
@@ -19,7 +19,7 @@ _PASSES = 2  # a pixel whose neighbours are wrong too is reached by the second
 _AGREES = 0.02  # relative to the median
 
 
-def own_depth(depth: Depth, ids: Array) -> Depth:
+def own_depth(depth: Depth, ids: Uint32) -> Depth:
     """Return affine depth in which no pixel beside another id differs from the median of its own id within 3x3."""
     u = depth.u
     for _ in range(_PASSES):
@@ -30,14 +30,14 @@ def own_depth(depth: Depth, ids: Array) -> Depth:
 
 
 @kernel
-def _agree(first: int, last: int, u: Array, ids: Array, flat_ids: Int32, agreeing: Array) -> None:
+def _agree(first: int, last: int, u: Array, ids: Uint32, flat_ids: Int32, agreeing: Array) -> None:
     """Replace what does not agree in the rows ``first`` .. ``last`` - 1 of ``agreeing``, a copy of ``u``."""
     height, width = u.shape
     near = np.empty(9, np.float32)
     for y in range(first, last):
         x = 0
         while x < width:
-            inside = 1 <= x and x + LANES < width and 1 <= y and y + 1 < height
+            inside = x >= 1 and x + LANES < width and y >= 1 and y + 1 < height
             end = x + LANES if inside else x + 1
             if inside and _one_id(flat_ids, y * width + x, width):
                 x = end

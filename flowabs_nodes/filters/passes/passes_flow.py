@@ -42,13 +42,13 @@ def passes_flow(edges: Edges, unit: Array | None, shape: tuple[int, int], radius
 
 @kernel
 def _with_edges(first: int, last: int, edges: Edges, tangent: Array, magnitude: Array) -> float:
-    """Lay edges over the tangents of the rows ``first`` .. ``last`` - 1, and return the largest magnitude, at most 1."""
+    """Lay edges over the tangents of the rows ``first`` .. ``last`` - 1; return the largest magnitude, at most 1."""
     height, width = magnitude.shape
     tensor = np.zeros((last - first, width, 3))
     for e in range(edges.rows[max(first - _REACH - 2, 0)], edges.rows[min(last + _REACH + 2, height)]):
         px, py, nx, ny = edges.x[e], edges.y[e], edges.nx[e], edges.ny[e]
-        for y in range(max(first, int(math.ceil(py - _REACH))), min(last, int(math.floor(py + _REACH)) + 1)):
-            for x in range(max(0, int(math.ceil(px - _REACH))), min(width, int(math.floor(px + _REACH)) + 1)):
+        for y in range(max(first, math.ceil(py - _REACH)), min(last, math.floor(py + _REACH) + 1)):
+            for x in range(max(0, math.ceil(px - _REACH)), min(width, math.floor(px + _REACH) + 1)):
                 square = (x - px) * (x - px) + (y - py) * (y - py)
                 w = _EDGE * edges.strength[e] ** 2 * math.exp(-0.5 * square) / (2 * math.pi)
                 tensor[y - first, x, 0] += w * nx * nx
