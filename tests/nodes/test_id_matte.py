@@ -10,6 +10,7 @@ from flowabs_nodes.io.manifest import cryptomatte_id
 from flowabs_nodes.io.read_id import read_id
 from flowabs_nodes.nodes.declare import Context
 from flowabs_nodes.nodes.id_matte import ID_MATTE
+from tests.filters.pictures import DATA
 from tests.io.files import exr
 from tests.io.test_cryptomatte import layer, level
 
@@ -57,6 +58,17 @@ def test_a_broken_manifest_is_told(tmp_path):
     found = matte(written(tmp_path, "{"), "ball", Context(warn=warnings.append))
     np.testing.assert_allclose(found, [1, 0.6, 0, 0], atol=1e-6)
     assert "the manifest of CryptoObject cannot be read" in warnings[0]
+
+
+@pytest.mark.parametrize("version", ["45", "53"])
+def test_objects_of_a_file_that_blender_wrote(version):
+    ids, coverage = read_id(DATA / "blender" / f"comp_{version}.exr")
+    inputs = {"id": ids, "coverage": coverage}
+    each = [call_node(ID_MATTE, Context(), inputs, {"names": name})["matte"].pixels for name in ("ball", "crate", "0")]
+    assert all(0.05 < matte.mean() < 0.95 for matte in each)
+    np.testing.assert_allclose(sum(each), 1, atol=1e-6)
+    with pytest.raises(FlowabsError, match=r"no object 'bal' \(did you mean 'ball'\? known: Sun, ball, crate\)"):
+        call_node(ID_MATTE, Context(), inputs, {"names": "bal"})
 
 
 def test_ids_of_an_index_pass():

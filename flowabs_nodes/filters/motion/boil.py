@@ -24,7 +24,18 @@ from flowabs_nodes.filters.motion.smooth_noise import Field, smooth_noise
 from flowabs_nodes.sampling.coords import Raster
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined, kernel
-from flowabs_nodes.simd.lanes import LANES, Floats, floor, lane_indices, maximum, minimum, to_ints
+from flowabs_nodes.simd.lanes import (
+    LANES,
+    Floats,
+    absolute,
+    any_lane,
+    floor,
+    lane_indices,
+    maximum,
+    minimum,
+    splat_floats,
+    to_ints,
+)
 from flowabs_nodes.simd.memory import gather_pairs, gather_quads, load, load_pairs, scratch, store, store_pairs
 from flowabs_nodes.simd.pixelwise import as_picture, as_run, empty_run, first_pixel, over_pixels
 
@@ -78,15 +89,18 @@ def boil(
     field = smooth_noise((height, width), origin, size, seed, number)
     margin = halo.boil_reach(amount)
     beside = max(LANES - width, 0)  # rows of at least sixteen pixels
-    drawing = np.pad(lines, [(margin, margin), (margin, margin + beside)], "edge")
+    drawing = np.pad(1 - lines, [(margin, margin), (margin, margin + beside)], "edge")  # ink: nothing stays nothing
     directions = np.pad(blur(_double_angles(flow), halo.BOIL_EASE), [(0, 0), (0, beside), (0, 0)])
     field = field._replace(columns=np.pad(field.columns, (0, beside)), across=np.pad(field.across, (0, beside)))
     raster = Raster(width + beside, height, drawing.shape[1])
+    inked = np.empty((len(drawing), -(-raster.stride // LANES)), np.bool_)
+    over_rows(_find_ink, len(drawing), drawing, inked)
     moved = np.empty((height, raster.width), np.float32)
     over_rows(
         _move,
         height,
         drawing.reshape(-1),
+        inked,
         directions.reshape(-1),
         field,
         np.float32(amount),
@@ -120,10 +134,20 @@ def _double(first: int, last: int, flow: Array, angles: Array) -> None:
 
 
 @kernel
+def _find_ink(first: int, last: int, drawing: Array, inked: npt.NDArray[np.bool_]) -> None:
+    """Write for the rows ``first`` .. ``last`` - 1 which of their blocks of sixteen pixels hold ink."""
+    stride = drawing.shape[1]
+    for y in range(first, last):
+        for block in range(inked.shape[1]):
+            inked[y, block] = any_lane(absolute(load(drawing[y], min(LANES * block, stride - LANES))) > 0.0)
+
+
+@kernel
 def _move(
     first: int,
     last: int,
     drawing: Array,
+    inked: npt.NDArray[np.bool_],
     directions: Array,
     field: Field,
     amount: float,
@@ -133,7 +157,7 @@ def _move(
 ) -> None:
     """Write the rows ``first`` .. ``last`` - 1 of the displaced drawing, (H, W) flattened.
 
-    ``drawing`` has its border repeated ``margin`` times to each side; its rows are ``raster.stride`` long.
+    ``drawing``, the ink, has its border repeated ``margin`` times to each side; its rows are ``raster.stride`` long.
     """
     count = field.vectors.shape[2]
     along_row = np.empty((2, count), np.float32)
@@ -146,6 +170,9 @@ def _move(
                 along_row[part, i] = above + down * (below - above)
         for x0 in range(0, raster.width, LANES):
             x = min(x0, raster.width - LANES)
+            if not _any_ink(inked, y, x, margin):
+                store(moved, y * raster.width + x, splat_floats(1.0))
+                continue
             vx = _between(along_row[0], field, x)
             vy = _between(along_row[1], field, x)
             c, s = load_pairs(directions, 2 * (y * raster.width + x))
@@ -159,7 +186,17 @@ def _move(
                 (to_ints(top) + (y + margin - 1)) * raster.stride + to_ints(left) + (lane_indices() + (x + margin - 1)),
             )
             ink = _cubic(drawing, place, dx - left, dy - top, raster.stride)
-            store(moved, y * raster.width + x, minimum(maximum(ink, 0.0), 1.0))
+            store(moved, y * raster.width + x, 1.0 - minimum(maximum(ink, 0.0), 1.0))
+
+
+@inlined
+def _any_ink(inked: npt.NDArray[np.bool_], y: int, x: int, margin: int) -> bool:
+    """Return whether there is ink within ``margin`` of the pixels x .. x + 15 of row y."""
+    for row in range(y, y + 2 * margin + 1):
+        for block in range(x // LANES, (x + LANES - 1 + 2 * margin) // LANES + 1):
+            if inked[row, block]:
+                return True
+    return False
 
 
 @inlined
