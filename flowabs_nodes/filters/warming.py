@@ -31,7 +31,8 @@ def warm_up(*names: str) -> None:
     """Run filters once on a small picture, with default parameters, so that their first use takes no longer.
 
     What the options of the graphs that come with the package need is made ready too, though they are off by default:
-    soft outlines, evidence, a working scale, steps by the gradient, a stroke's length, a window's guide and depth.
+    soft outlines, evidence, a working scale, steps by the gradient, a stroke's length, a window's guide and depth, edges from
+    passes, boil.
 
     A program calls it before it starts threads, and before it forks: children share what is loaded, and none of them
     compiles. What is compiled stays on disk. Kernels of other parameters than the defaults (``kernel="separable"``, an
@@ -67,7 +68,7 @@ def warm_up(*names: str) -> None:
                 raise
 
 
-def _pictures() -> dict[str, Array | dict[int, Array] | str | float]:
+def _pictures() -> dict[str, Any]:
     """Return what a filter takes, by the name of its parameter: noise of 24 x 40 pixels, on three frames or on one."""
     chance = np.random.default_rng(1)
     white = np.float32(255)
@@ -80,7 +81,7 @@ def _pictures() -> dict[str, Array | dict[int, Array] | str | float]:
         **dict.fromkeys(("lines", "under", "edge_strength"), mono / white),
         "codes": color,
         **dict.fromkeys(("rgb", "image"), color / white),
-        "flow": np.stack([np.cos(angle), np.sin(angle)], axis=2).astype(np.float32),
+        **dict.fromkeys(("flow", "edge_flow"), np.stack([np.cos(angle), np.sin(angle)], axis=2).astype(np.float32)),
         "images": dict.fromkeys((-1, 0, 1), color),
         "motions": dict.fromkeys((-1, 0, 1), np.zeros((_HEIGHT, _WIDTH, 4), np.float32)),
         "gradient_reference": "max",

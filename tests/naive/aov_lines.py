@@ -41,6 +41,22 @@ def own_depth(u: Float64, ids: Any) -> Float64:
     return u
 
 
+def own_material(material: Any, ids: Any) -> Any:
+    """Give each pixel beside another id the material that most of its id have around it; ties keep their own."""
+    agreeing = np.array(material)
+    for y, x in np.ndindex(agreeing.shape):
+        near = (slice(max(y - 1, 0), y + 2), slice(max(x - 1, 0), x + 2))
+        others = ids[near] == ids[y, x]
+        if others.all():
+            continue
+        found = [int(each) for each in material[near][others]]
+        found.remove(int(material[y, x]))
+        counts = {each: found.count(each) for each in found}
+        if counts and max(counts.values()) > counts.get(int(material[y, x]), 0):
+            agreeing[y, x] = next(each for each in found if counts[each] == max(counts.values()))
+    return agreeing
+
+
 def four(u: Float64, y: int, x: int, y1: int, x1: int) -> Any:
     """Return u of four pixels in a row, the border repeated."""
     height, width = u.shape
@@ -65,6 +81,8 @@ def edges(depth: Any = None, ids: Any = None, material: Any = None, depth_step: 
     u = None if depth is None else affine(depth)
     if u is not None and ids is not None:
         u = own_depth(u, ids)
+    if material is not None and ids is not None:
+        material = own_material(material, ids)
     cracks = []
     for y in range(height):
         for x in range(width):

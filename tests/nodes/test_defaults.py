@@ -21,10 +21,8 @@ WORKERS = {
     "write": (build_picture,),
 }
 #: They come from the run, or from inputs and parameters of other names.
-NOT_PARAMETERS = {"alpha", "pens", "frame", "origin", "settings", "note", "warn", "layers"}
-#: They come from the inputs or the run.
-NOT_PARAMETERS = {"alpha", "mask", "response", "settings", "note", "warn", "layers", "before", "after"}
-NOT_PARAMETERS |= {"guides", "depths", "normals", "alphas"}
+NOT_PARAMETERS = {"alpha", "pens", "frame", "origin", "outputs", "view", "settings", "note", "warn", "layers"}
+NOT_PARAMETERS |= {"before", "after", "guides", "depths", "normals", "alphas"}
 
 
 def workers(type):

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import bpy  # type: ignore[import-not-found]
 from mathutils import Vector  # type: ignore[import-not-found]
 
-SIZE = (96, 54)
+WIDTH = 96
 FRAMES = (1, 2, 3)
 SAMPLES = 16
 
@@ -83,12 +83,12 @@ def make() -> Any:
     return scene
 
 
-def render(scene: Any, folder: Path) -> None:
-    """Render the frames to ``FOLDER/passes_VERSION.####.exr`` with all passes that are read."""
+def render(scene: Any, folder: Path, width: int) -> None:
+    """Render the frames, ``width`` pixels wide, to ``FOLDER/passes_VERSION.####.exr`` with all passes that are read."""
     scene.render.engine = "CYCLES"
     scene.cycles.device = "CPU"
     scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.max_bounces = SAMPLES, False, 0
-    scene.render.resolution_x, scene.render.resolution_y = SIZE
+    scene.render.resolution_x, scene.render.resolution_y = width, width * 9 // 16
     scene.render.film_transparent = False
     layer = scene.view_layers[0]
     for name in ("z", "normal", "vector", "cryptomatte_object", "cryptomatte_material", "object_index"):
@@ -157,9 +157,9 @@ def _ring(radius: float, thickness: float, around: int = 64, across: int = 32) -
 
 
 def _ball(radius: float, around: int = 96, across: int = 48) -> Shape:
-    """Return a ball without its poles, which nothing looks at."""
+    """Return a ball from pole to pole."""
     places = [
-        (2 * math.pi * i / around, math.pi * ((j + 0.5) / across - 0.5)) for i in range(around) for j in range(across)
+        (2 * math.pi * i / around, math.pi * (j / (across - 1) - 0.5)) for i in range(around) for j in range(across)
     ]
     vertices = [
         (radius * math.cos(v) * math.cos(u), radius * math.cos(v) * math.sin(u), radius * math.sin(v))
@@ -195,7 +195,9 @@ def main() -> None:
         prog="python -m tools.blender.passes_shot", description="Render the shot of passes."
     )
     parser.add_argument("folder", type=Path, help="where the frames go, such as tests/data/blender")
-    render(make(), parser.parse_args().folder.resolve())
+    parser.add_argument("--width", type=int, default=WIDTH, help="in pixels (%(default)s)")
+    given = parser.parse_args()
+    render(make(), given.folder.resolve(), given.width)
 
 
 if __name__ == "__main__":

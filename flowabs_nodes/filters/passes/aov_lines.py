@@ -19,6 +19,7 @@ from flowabs_nodes.filters.passes.draw import Pens, draw
 from flowabs_nodes.filters.passes.edges import edges_of, no_edges
 from flowabs_nodes.filters.passes.fit import directed, fitted
 from flowabs_nodes.filters.passes.own_depth import own_depth
+from flowabs_nodes.filters.passes.own_material import own_material
 from flowabs_nodes.filters.passes.passes_flow import passes_flow
 from flowabs_nodes.port_types import pixel_type
 
@@ -130,6 +131,8 @@ def aov_lines(
         seen = affine_depth(depth_pass, projection, field_of_view, view or middle)
         if ids.size:
             seen = own_depth(seen, ids)
+    if ids.size and materials.size:
+        materials = own_material(materials, ids)
     cracks = find_cracks(Passes(*seen, ids, covered, materials), height, depth_step)
     edges = fitted(directed(edges_of(cracks, depth_step, depth is not None)), sigma_m)
     unit = None if normals is None else unit_normals(normals)

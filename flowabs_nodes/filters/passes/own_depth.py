@@ -39,7 +39,7 @@ def _agree(first: int, last: int, u: Array, ids: Uint32, flat_ids: Int32, agreei
         while x < width:
             inside = x >= 1 and x + LANES < width and y >= 1 and y + 1 < height
             end = x + LANES if inside else x + 1
-            if inside and _one_id(flat_ids, y * width + x, width):
+            if inside and one_id(flat_ids, y * width + x, width):
                 x = end
                 continue
             while x < end:
@@ -60,7 +60,7 @@ def _agree(first: int, last: int, u: Array, ids: Uint32, flat_ids: Int32, agreei
 
 
 @inlined
-def _one_id(ids: Int32, pixel: int, width: int) -> bool:
+def one_id(ids: Int32, pixel: int, width: int) -> bool:
     """Return whether sixteen pixels, from ``pixel`` on, and all beside them have one id each with those beside it."""
     own = load(ids, pixel)
     others = own ^ own
