@@ -121,6 +121,11 @@ def test_toon_without_a_motion_pass_follows_the_picture(tmp_path: Path) -> None:
     assert made(toon, "comp").pixels.std() > 0.05
 
 
+def test_toon_frame_by_frame_needs_no_motion(tmp_path: Path) -> None:
+    toon = loaded("toon").with_set({"plate.file": without(tmp_path, "Vector"), "steadiness": 0})
+    assert made(toon, "comp").pixels.std() > 0.05
+
+
 # ---------------------------------------------------------------------- what a render may lack
 
 
