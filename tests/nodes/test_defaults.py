@@ -22,6 +22,7 @@ WORKERS = {
 }
 #: They come from the inputs or the run.
 NOT_PARAMETERS = {"alpha", "mask", "response", "settings", "note", "warn", "layers"}
+NOT_PARAMETERS |= {"depth", "normal", "id", "coverage", "material", "view", "outputs"}
 
 
 def workers(type):
