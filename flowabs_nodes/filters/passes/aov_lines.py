@@ -118,6 +118,8 @@ def aov_lines(
     iterations = validate.whole("iterations", iterations, min=0)
     validate.choice("projection", projection, PROJECTIONS)
     field_of_view = validate.number("field_of_view", field_of_view, min=1, max=179)
+    for name in outputs:
+        validate.choice("outputs", name, AovLines._fields)
     height, wide = _shape(given)
     depth_pass, normals = _depth(depth, (height, wide)), _normals(normal, (height, wide))
     ids, materials = _ids("id", id, (height, wide)), _ids("material", material, (height, wide))

@@ -136,14 +136,14 @@ def _fade(first: int, last: int, creases: Edges, excess: Float64, edges: Edges, 
         x, y, nx, ny = creases.x[e], creases.y[e], creases.nx[e], creases.ny[e]
         beside = 0.0
         for j in range(max(int(y - reach), 0), min(int(y + reach) + 1, height)):
-            for k in range(begin_at(edges, j, x - _ALONGSIDE), edges.rows[j + 1]):
+            for k in range(begin_at(edges.rows, edges.x, j, x - _ALONGSIDE), edges.rows[j + 1]):
                 dx, dy = edges.x[k] - x, edges.y[k] - y
                 if dx > reach:
                     break
                 parallel = abs(nx * edges.nx[k] + ny * edges.ny[k]) > _PARALLEL
                 if parallel and dx * dx + dy * dy <= _ALONGSIDE * _ALONGSIDE:
                     beside = max(beside, edges.strength[k])
-            for k in range(begin_at(creases, j, x - _ALONGSIDE), creases.rows[j + 1]):
+            for k in range(begin_at(creases.rows, creases.x, j, x - _ALONGSIDE), creases.rows[j + 1]):
                 dx, dy = creases.x[k] - x, creases.y[k] - y
                 if dx > reach:
                     break

@@ -23,6 +23,7 @@ _DIRECTION = 1.5  # px, sigma of the mean of directions
 _DIRECTION_REACH = 4  # px
 _SAME_SURFACE = 0.25  # relative difference of depths of neighbouring points on one stroke
 _APART = 2.0  # px: points further than this from the tangent are another stroke's
+_LEAST_SIGMA = 0.1  # px: no point but the own one counts
 _RIDGE = 0.5  # px: slopes of strokes shorter than this lean on their direction
 # How much of a long straight stroke must be around a point for it to be no speck, and to be drawn in full.
 _SPECK, _STROKE = 0.25, 0.55
@@ -45,11 +46,9 @@ def fitted(edges: Edges, sigma_m: float, two_sided: bool = False) -> Edges:
     Strengths are averaged too, and become less where too little of a stroke is around. ``two_sided``: directions
     across the edge have no sign.
     """
-    if sigma_m == 0:
-        return edges
     x, y, nx, ny, strength = (np.empty_like(edges.x) for _ in range(5))
     made = edges._replace(x=x, y=y, nx=nx, ny=ny, strength=strength)
-    over_rows(_fit, len(edges.rows) - 1, edges, sigma_m, two_sided, made)
+    over_rows(_fit, len(edges.rows) - 1, edges, max(sigma_m, _LEAST_SIGMA), two_sided, made)
     return made
 
 
@@ -69,7 +68,7 @@ def _direct(first: int, last: int, edges: Edges, two_sided: bool, nx: Float64, n
         x, y, ex, ey = edges.x[e], edges.y[e], edges.nx[e], edges.ny[e]
         sx, sy = 0.0, 0.0
         for j in range(max(int(y) - _DIRECTION_REACH - 1, 0), min(int(y) + _DIRECTION_REACH + 2, height)):
-            for k in range(begin_at(edges, j, x - _DIRECTION_REACH), edges.rows[j + 1]):
+            for k in range(begin_at(edges.rows, edges.x, j, x - _DIRECTION_REACH), edges.rows[j + 1]):
                 dx, dy = edges.x[k] - x, edges.y[k] - y
                 if dx > _DIRECTION_REACH:
                     break
@@ -100,7 +99,7 @@ def _fit(first: int, last: int, edges: Edges, sigma: float, two_sided: bool, mad
         x, y, nx, ny = edges.x[e], edges.y[e], edges.nx[e], edges.ny[e]
         count, w0, w1, w2, h0, h1 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for j in range(max(math.floor(y - reach), 0), min(math.floor(y + reach) + 1, height)):
-            for k in range(begin_at(edges, j, x - reach), edges.rows[j + 1]):
+            for k in range(begin_at(edges.rows, edges.x, j, x - reach), edges.rows[j + 1]):
                 dx, dy = edges.x[k] - x, edges.y[k] - y
                 if dx > reach + MOVED:
                     break

@@ -125,6 +125,35 @@ def test_materials_within_an_object_and_where_it_folds_over_itself():
     assert inked(filters.aov_lines(depth, id=one, material=ids)) == {"object"}
 
 
+def test_a_horizon_goes_up_to_the_object_before_it_and_makes_no_specks():
+    y, x = grid(48, 80)
+    horizon = 20.3 + 0.06 * x
+    ball = (y - 26) ** 2 + (x - 41.4) ** 2 < 12.6**2
+    floor = np.where(y > horizon, 9.0, np.inf)  # the far end of a floor
+    for depth, ids in (
+        (np.where(ball, 4.0, floor), None),
+        (np.where(ball, 4.0, floor), np.where(ball, 5, np.where(y > horizon, 8, 0)).astype(np.uint32)),
+    ):
+        made = filters.aov_lines(depth, id=ids)
+        ink = 1 - made.lines
+        beside = np.hypot(y - 26, x - 41.4) - 12.6  # px outside the ball
+        on_horizon = np.abs(y - horizon - 0.75) < 2
+        up_to = np.where(on_horizon, beside, 10).min(axis=0) > 0
+        assert (ink * on_horizon).sum(axis=0)[up_to].min() > 1.2
+        near = (np.abs(beside + 0.75) < 1.6) | on_horizon
+        assert ink[~near].max() < 0.05
+
+
+def test_a_speck_is_no_line():
+    depth = wall()
+    depth[20, 30], depth[8, 8:10] = 3.0, 3.0
+    assert filters.aov_lines(depth).lines.min() > 0.6
+    depth[30, 10:40] = 3.0  # and a wire is one
+    ink = 1 - filters.aov_lines(depth).lines
+    assert ink[30, 12:38].min() > 0.9
+    assert ink[28:33, 14:36].sum(axis=0).max() < 1.6
+
+
 # ---------------------------------------------------------------------- creases
 
 
@@ -310,5 +339,7 @@ def test_what_is_refused():
     for name, value in {"width": 9, "depth_step": 0, "crease_angle": 0, "sigma_m": -1, "field_of_view": 180}.items():
         with pytest.raises(ArgumentError, match=f"{name}: expected a number"):
             filters.aov_lines(depth, **{name: value})
+    with pytest.raises(ArgumentError, match=r"outputs: expected one of .* found 'outlines'"):
+        filters.aov_lines(depth, outputs=("outlines",))
     with pytest.raises(ArgumentError, match="projection: expected one of"):
         filters.aov_lines(depth, projection="fisheye")
