@@ -7,8 +7,8 @@ from typing import Any
 from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.forks import IMPORTING
 
-#: What pip installs OpenCV with.
-EXTRA = "flowabs-nodes[compare]"
+#: What pip installs OpenCV with: for what the paper compares itself with, or for optical_flow alone.
+EXTRA, MOTION_EXTRA = "flowabs-nodes[compare]", "flowabs-nodes[motion]"
 
 
 def opencv(what: str, extra: str = EXTRA) -> Any:

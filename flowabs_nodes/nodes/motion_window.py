@@ -32,14 +32,15 @@ def run_motion_window(
     **window: Any,
 ) -> dict[str, Image]:
     from flowabs_nodes.filters.motion.convention import lost_pixels  # numba, which no declaration needs
-    from flowabs_nodes.filters.motion.window import motion_window, window_offsets
+    from flowabs_nodes.filters.motion.window import motion_window
+    from flowabs_nodes.filters.motion.window_frames import window_offsets
 
     own = image[0]
     given = [each for each in (image, motion, guide, depth, normal) if each is not None]
     offsets = window_offsets(given, reach)
     _tell_what_is_missing(context, offsets, reach, ends)
     if not offsets:
-        nothing = np.zeros(own.pixels.shape[:2], np.float32)
+        nothing = np.zeros((own.data_window.height, own.data_window.width), np.float32)
         return {"image": own, "confidence": own.with_pixels(nothing, "matte")}
     frames = (0, *offsets)
     lost = lost_pixels(motion[0].pixels)
@@ -60,9 +61,12 @@ def run_motion_window(
     )
     if result.misfit is not None and result.misfit.wrong:
         context.warn(
-            f"frames fit worse along the motion ({result.misfit.along:.3g} code values) than without it "
-            f"({result.misfit.still:.3g}): the motion may be of another convention (y down, forward for backward); "
-            "read_motion has a parameter for it"
+            "frames fit worse along the motion than without it: it may be of another convention (y down, forward for "
+            "backward); read_motion has a parameter for that"
+        )
+        context.note(
+            f"along the motion the guide differs by {result.misfit.along:.3g} code values from frame to frame, "
+            f"without it by {result.misfit.still:.3g}"
         )
     mean = own.with_codes(result.mean, space) if own.type == "color" else own.with_pixels(result.mean)
     return {"image": mean, "confidence": own.with_pixels(result.confidence, "matte")}

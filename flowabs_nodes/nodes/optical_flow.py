@@ -7,12 +7,10 @@ from typing import Any
 
 from flowabs_nodes import filters
 from flowabs_nodes.choices import FLOW_PRESETS
+from flowabs_nodes.filters.opencv import MOTION_EXTRA
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.common_params import GROUND, SPACE
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
-
-#: What pip installs OpenCV with, for this node alone; as in filters/motion/optical_flow.py, which needs numba.
-OPENCV = {"cv2": "flowabs-nodes[motion]"}
 
 
 def run_optical_flow(
@@ -58,5 +56,5 @@ OPTICAL_FLOW = Node(
     ),
     run=run_optical_flow,
     frames=_frames,
-    packages=OPENCV,
+    packages={"cv2": MOTION_EXTRA},
 )

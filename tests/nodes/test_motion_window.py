@@ -169,9 +169,10 @@ def test_motion_of_another_convention_is_told(run, said, motion, with_passes):
     if with_passes:
         inputs |= {"depth": images("depth", "depth"), "normal": images("normal", "normal")}
     run(inputs)
-    assert len(said) == 1
-    assert said[0].startswith("warning: frames fit worse along the motion (")
+    assert len(said) == 2
+    assert said[0].startswith("warning: frames fit worse along the motion than without it")
     assert "another convention" in said[0]
+    assert said[1].startswith("along the motion the guide differs by")
 
 
 def test_vectors_that_lead_nowhere_are_told(run, said):

@@ -15,10 +15,7 @@ from flowabs_nodes.choices import FLOW_PRESETS
 from flowabs_nodes.filters import validate
 from flowabs_nodes.filters.gaussian_blur import blur
 from flowabs_nodes.filters.motion.convention import motion_of
-from flowabs_nodes.filters.opencv import opencv
-
-#: What pip installs OpenCV with, for those who need no more of it.
-EXTRA = "flowabs-nodes[motion]"
+from flowabs_nodes.filters.opencv import MOTION_EXTRA, opencv
 
 #: How much smoother the flow is than OpenCV's presets make it, and how much longer it is refined (ultrafast's is not):
 #: on a render with noise that leaves a tenth less error, and a quarter less difference between two draws of the noise.
@@ -68,7 +65,7 @@ def optical_flow(
     }
     validate.choice("preset", preset, FLOW_PRESETS)
     pre_blur = validate.number("pre_blur", pre_blur, min=0, max=10_000)
-    cv2 = opencv("optical_flow", EXTRA)
+    cv2 = opencv("optical_flow", MOTION_EXTRA)
     own = _to_8_bit(code, pre_blur)
     ways = [
         np.zeros((*shape, 2), np.float32) if frame is None else _flow(cv2, own, _to_8_bit(frame, pre_blur), preset)

@@ -8,7 +8,7 @@ from tests.naive import motion_window as naive
 
 WHOLE, FRACTIONS = Scene(), Scene(ground=(0.3, 1.7), disc=(-1.6, 0.45))
 OFFSETS = range(-2, 3)
-STILL = np.zeros((33, 45, 4), np.float32)
+STILL, CODES = np.zeros((33, 45, 4), np.float32), np.zeros((33, 45, 3), np.float32)
 
 
 def noisy(frames, sigma=6.0):
@@ -282,7 +282,8 @@ def test_a_normal_of_no_length_goes_with_any():
         ({"guides": {0: np.full((33, 45), np.inf)}}, "guides: expected finite pixels"),
         ({"depths": {0: np.zeros((33, 45, 3))}}, "depths: expected shape"),
         ({"normals": {0: np.zeros((33, 45))}}, "normals: expected shape"),
-        ({"alphas": {0: np.zeros((3, 4))}}, "alphas: expected the size"),
+        ({"images": {0: CODES}, "alphas": {0: np.zeros((3, 4))}}, "alphas: expected the size"),
+        ({"alphas": {0: np.zeros((33, 45))}}, r"alphas: expected for code values \(H, W, 3\) alone"),
         ({"reach": 5}, "reach: expected a number .*at most 4"),
         ({"reach": 1.5}, "reach: expected a whole number"),
         ({"falloff": "boxy"}, "falloff: expected one of 'gaussian', 'box'"),
