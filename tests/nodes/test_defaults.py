@@ -21,7 +21,7 @@ WORKERS = {
     "write": (build_picture,),
 }
 #: They come from the run, or from inputs and parameters of other names.
-NOT_PARAMETERS = {"alpha", "pens", "frame", "origin", "settings", "note", "warn", "layers"}
+NOT_PARAMETERS = {"alpha", "pens", "frame", "origin", "outputs", "view", "settings", "note", "warn", "layers"}
 
 
 def workers(type):
