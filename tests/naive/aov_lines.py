@@ -114,8 +114,7 @@ def decide(crack: Any, cracks: Any, depth_step: float, has_depth: bool) -> Any:
         w = np.exp(-squares / 18) * (squares <= 81)
         votes = np.array([each[3] for each in pair]) * alike
         steps = smoothstep(depth_step / 4, depth_step, np.abs([each[2] for each in pair]))
-        whole = [each for each in cracks if set(each[5]) == {first, second}]
-        towards = sum(each[3] * (1 if each[5] == (first, second) else -1) for each in whole if each[4] == 0)
+        towards = sum(each[3] * sign for each, sign in zip(pair, alike, strict=True) if each[4] == 0)
         tie = np.sign(towards) or (1 if first > second else -1)
         near = behind > 0 if behind else (w * votes).sum() / w.sum() + 0.25 * tie >= 0
         share = (w * steps).sum() / w.sum()

@@ -19,8 +19,9 @@ from flowabs_nodes.filters.passes.edges import CREASE, Edges, smoothstep
 from flowabs_nodes.filters.passes.near import MOVED, begin_at
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined, kernel
-from flowabs_nodes.simd.lanes import LANES, Floats, any_lane, sqrt
-from flowabs_nodes.simd.memory import load_triples
+from flowabs_nodes.simd.lanes import LANES, Floats, any_lane, select, sqrt
+from flowabs_nodes.simd.memory import load_triples, store_triples
+from flowabs_nodes.simd.pixelwise import as_picture, as_run, empty_run, first_pixel, over_pixels
 
 _COLUMNS = 6  # x, y, nx, ny, strength, excess
 _ACROSS = 0.4  # the cosine between row, or column, and the crease's normal below which it runs along the crease
@@ -31,23 +32,26 @@ _PARALLEL = 0.7  # the cosine from which directions are parallel
 
 def unit_normals(normal: Array) -> Array:
     """Return normals (H, W, 3) at length 1; 0, 0, 0 where they are not finite, or shorter than a half."""
-    unit = np.empty_like(normal)
-    over_rows(_normalise, normal.shape[0], normal, unit)
-    return unit
+    pixels, unit = normal.shape[0] * normal.shape[1], empty_run(normal.size // 3, 3)
+    over_pixels(_normalise, pixels, as_run(normal, 3), unit)
+    return as_picture(unit, *normal.shape)
 
 
 @kernel
 def _normalise(first: int, last: int, normal: Array, unit: Array) -> None:
-    """Write the rows ``first`` .. ``last`` - 1 of the unit normals."""
-    for y in range(first, last):
-        for x in range(normal.shape[1]):
-            a, b, c = np.float64(normal[y, x, 0]), np.float64(normal[y, x, 1]), np.float64(normal[y, x, 2])
-            size = math.sqrt(a * a + b * b + c * c)
-            there = size >= 0.5 and size < 1e30
-            inverse = 1 / size if there else 0.0
-            unit[y, x, 0] = a * inverse if there else 0
-            unit[y, x, 1] = b * inverse if there else 0
-            unit[y, x, 2] = c * inverse if there else 0
+    """Write the unit normals of the blocks ``first`` .. ``last`` - 1 of sixteen pixels."""
+    pixels = normal.size // 3
+    for block in range(first, last):
+        i = 3 * first_pixel(block, pixels)
+        a, b, c = load_triples(normal, i)
+        square = a * a + b * b + c * c
+        there = (square >= 0.25) & (square < 1e30)
+        inverse = 1.0 / sqrt(select(there, square, 1.0))
+        store_triples(
+            unit,
+            i,
+            (select(there, a * inverse, 0.0), select(there, b * inverse, 0.0), select(there, c * inverse, 0.0)),
+        )
 
 
 def find_creases(unit: Array, crease_angle: float, crease_reach: float) -> tuple[Edges, Float64]:
@@ -132,14 +136,14 @@ def _fade(first: int, last: int, creases: Edges, excess: Float64, edges: Edges, 
         x, y, nx, ny = creases.x[e], creases.y[e], creases.nx[e], creases.ny[e]
         beside = 0.0
         for j in range(max(int(y - reach), 0), min(int(y + reach) + 1, height)):
-            for k in range(begin_at(edges, j, x - _ALONGSIDE), edges.rows[j + 1]):
+            for k in range(begin_at(edges.rows, edges.x, j, x - _ALONGSIDE), edges.rows[j + 1]):
                 dx, dy = edges.x[k] - x, edges.y[k] - y
                 if dx > reach:
                     break
                 parallel = abs(nx * edges.nx[k] + ny * edges.ny[k]) > _PARALLEL
                 if parallel and dx * dx + dy * dy <= _ALONGSIDE * _ALONGSIDE:
                     beside = max(beside, edges.strength[k])
-            for k in range(begin_at(creases, j, x - _ALONGSIDE), creases.rows[j + 1]):
+            for k in range(begin_at(creases.rows, creases.x, j, x - _ALONGSIDE), creases.rows[j + 1]):
                 dx, dy = creases.x[k] - x, creases.y[k] - y
                 if dx > reach:
                     break

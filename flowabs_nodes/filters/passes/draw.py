@@ -45,6 +45,7 @@ class Drawing(NamedTuple):
 
 def draw(edges: Edges, creases: Edges, pens: Pens, height: int, width: int, measured: bool) -> Drawing:
     """Draw edges and creases; with ``measured``, strengths and distances too."""
+    reach, crease_reach = (FAR, FAR) if measured else (ink_reach(pens.width), ink_reach(pens.crease_width / 2))
     size = (height, width) if measured else (0, 0)
     drawing = Drawing(
         np.zeros((5, height, width), np.float32),
@@ -52,19 +53,37 @@ def draw(edges: Edges, creases: Edges, pens: Pens, height: int, width: int, meas
         np.zeros(size, np.float32),
         np.full(size, FAR, np.float32),
     )
-    over_rows(_draw, height, edges, creases, pens, drawing)
+    over_rows(_draw, height, edges, creases, pens, reach, crease_reach, drawing)
     return drawing
 
 
+def ink_reach(most: float) -> float:
+    """Return how far away a point can be that puts ink up to ``most`` pixels from its line.
+
+    Whatever lies further away is the nearest of no pixel with ink, so that looking no further changes no line.
+    """
+    d = most + 0.5
+    return min(math.sqrt(d * d + (_HALF + _SPREAD * d) ** 2 + _WEAKER * _WEAKER), FAR)
+
+
 @kernel
-def _draw(first: int, last: int, edges: Edges, creases: Edges, pens: Pens, drawing: Drawing) -> None:
+def _draw(
+    first: int,
+    last: int,
+    edges: Edges,
+    creases: Edges,
+    pens: Pens,
+    reach: float,
+    crease_reach: float,
+    drawing: Drawing,
+) -> None:
     """Draw the rows ``first`` .. ``last`` - 1."""
     width = drawing.lines.shape[1]
     shape = last - first, width
     squares, signed, which = np.full(shape, np.inf), np.empty(shape), np.full(shape, -1, np.int32)
     crease_squares, unsigned, crease = np.full(shape, np.inf), np.empty(shape), np.full(shape, -1, np.int32)
-    _nearest(first, last, edges, squares, signed, which)
-    _nearest(first, last, creases, crease_squares, unsigned, crease)
+    _nearest(first, last, edges, reach, squares, signed, which)
+    _nearest(first, last, creases, crease_reach, crease_squares, unsigned, crease)
     for y in range(first, last):
         j = y - first
         for x in range(width):
@@ -99,29 +118,31 @@ def _between(slope: float, value: float, most: float) -> tuple[float, float]:
 
 
 @inlined
-def _nearest(first: int, last: int, edges: Edges, squares: Float64, signed: Float64, which: Int32) -> None:
-    """Write d and the index of the nearest point, within FAR, of each pixel of the rows first .. last - 1."""
+def _nearest(
+    first: int, last: int, edges: Edges, reach: float, squares: Float64, signed: Float64, which: Int32
+) -> None:
+    """Write d and the index of the nearest point, within ``reach``, of each pixel of the rows first .. last - 1."""
     height, width = edges.rows.size - 1, signed.shape[1]
-    most = _HALF + _SPREAD * FAR
-    margin = math.ceil(math.hypot(FAR, most)) + 2
+    most = _HALF + _SPREAD * reach
+    margin = math.ceil(math.hypot(reach, most)) + 2
     for e in range(edges.rows[max(first - margin, 0)], edges.rows[min(last + margin, height)]):
         strength = edges.strength[e]
         if strength <= 0:
             continue
         px, py, nx, ny = edges.x[e], edges.y[e], edges.nx[e], edges.ny[e]
         weaker = (_WEAKER * (1 - strength)) ** 2
-        high = abs(ny) * FAR + abs(nx) * most
+        high = abs(ny) * reach + abs(nx) * most
         for y in range(max(first, math.ceil(py - high)), min(last, math.floor(py + high) + 1)):
             dy = py - y
-            # |dx nx + dy ny| <= FAR and |dy nx - dx ny| <= most hold for dx from here to there.
-            low, top = _between(nx, dy * ny, FAR)
+            # |dx nx + dy ny| <= reach and |dy nx - dx ny| <= most hold for dx from here to there.
+            low, top = _between(nx, dy * ny, reach)
             low2, top2 = _between(ny, -dy * nx, most)
             left, right = px - min(top, top2), px - max(low, low2)
             for x in range(max(0, math.ceil(left)), min(width, math.floor(right) + 1)):
                 dx = px - x
                 d, s = dx * nx + dy * ny, dy * nx - dx * ny
                 square = d * d + s * s
-                if square > FAR * FAR or abs(s) > _HALF + _SPREAD * abs(d):
+                if square > reach * reach or abs(s) > _HALF + _SPREAD * abs(d):
                     continue
                 if square + weaker < squares[y - first, x]:
                     squares[y - first, x] = square + weaker

@@ -32,6 +32,7 @@ from flowabs_nodes.filters.passes.cracks import (
     X,
     Y,
 )
+from flowabs_nodes.filters.passes.near import begin_at
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined, kernel
 
@@ -61,18 +62,24 @@ def edges_of(cracks: Cracks, depth_step: float, has_depth: bool) -> Edges:
     """Return the edges at the middles of the cracks, moved to where the coverage says."""
     table, rows = cracks
     made = new_edges(rows, len(table))
-    over_rows(_decide, len(rows) - 1, table, _tie_breaks(table), depth_step, has_depth, made)
+    xs = np.ascontiguousarray(table[:, X])
+    over_rows(_decide, len(rows) - 1, table, xs, _tie_breaks(table), depth_step, has_depth, made)
     return made
 
 
 def _tie_breaks(table: Float64) -> Float64:
-    """Return for each crack whether the lower (-1) or the higher (1) of its two ids is near in most of the picture."""
-    first, second = table[:, FIRST].astype(np.uint64), table[:, SECOND].astype(np.uint64)
-    higher = np.where(first > second, 1.0, -1.0)
-    pair = (np.maximum(first, second) << np.uint64(32)) | np.minimum(first, second)
-    _, which = np.unique(pair, return_inverse=True)
-    votes = np.bincount(which, weights=higher * np.where(table[:, BEHIND] == 0, table[:, NEARER], 0))
-    return np.where(votes[which] < 0, -1.0, 1.0) * higher
+    """Return for each crack whether its second side (-1) or its first (1) is near in most of the picture."""
+    ties = np.zeros(len(table))
+    for known_by in (ID, MATERIAL):
+        own = table[:, KNOWN_BY] == known_by
+        cracks = table[own]
+        first, second = cracks[:, FIRST].astype(np.uint64), cracks[:, SECOND].astype(np.uint64)
+        higher = np.where(first > second, 1.0, -1.0)
+        pair = (np.maximum(first, second) << np.uint64(32)) | np.minimum(first, second)
+        _, which = np.unique(pair, return_inverse=True)
+        votes = np.bincount(which, weights=higher * np.where(cracks[:, BEHIND] == 0, cracks[:, NEARER], 0))
+        ties[own] = np.where(votes[which] < 0, -1.0, 1.0) * higher
+    return ties
 
 
 def no_edges(height: int) -> Edges:
@@ -88,7 +95,14 @@ def new_edges(rows: Int64, count: int) -> Edges:
 
 @kernel
 def _decide(
-    first: int, last: int, table: Float64, ties: Float64, depth_step: float, has_depth: bool, edges: Edges
+    first: int,
+    last: int,
+    table: Float64,
+    xs: Float64,
+    ties: Float64,
+    depth_step: float,
+    has_depth: bool,
+    edges: Edges,
 ) -> None:
     """Write the edges of the cracks of the rows ``first`` .. ``last`` - 1."""
     for e in range(edges.rows[first], edges.rows[last]):
@@ -99,7 +113,7 @@ def _decide(
         if known_by == DEPTH:
             strength = steep
         else:
-            vote, share = _vote(table, edges.rows, e, depth_step)
+            vote, share = _vote(table, edges.rows, xs, e, depth_step)
             vote += _TIE_BREAK * ties[e]
             first_is_near = behind > 0 if behind != 0 else vote >= 0
         side = 1.0 if first_is_near else -1.0
@@ -119,15 +133,17 @@ def _decide(
 
 
 @inlined
-def _vote(table: Float64, rows: Int64, e: int, depth_step: float) -> tuple[float, float]:
+def _vote(table: Float64, rows: Int64, xs: Float64, e: int, depth_step: float) -> tuple[float, float]:
     """Return the vote for the first side of a crack, and how much of the cracks around it has a depth step."""
     own = table[e]
     vote, steps, weights = 0.0, 0.0, 0.0
     y0 = int(own[Y])
     for y in range(max(y0 - _REACH - 1, 0), min(y0 + _REACH + 2, rows.size - 1)):
-        for k in range(rows[y], rows[y + 1]):
+        for k in range(begin_at(rows, xs, y, own[X] - _REACH), rows[y + 1]):
             other = table[k]
             dx, dy = other[X] - own[X], other[Y] - own[Y]
+            if dx > _REACH:
+                break
             if dx * dx + dy * dy > _REACH * _REACH or other[KNOWN_BY] != own[KNOWN_BY]:
                 continue
             same = other[FIRST] == own[FIRST] and other[SECOND] == own[SECOND]

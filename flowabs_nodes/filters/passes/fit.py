@@ -69,7 +69,7 @@ def _direct(first: int, last: int, edges: Edges, two_sided: bool, nx: Float64, n
         x, y, ex, ey = edges.x[e], edges.y[e], edges.nx[e], edges.ny[e]
         sx, sy = 0.0, 0.0
         for j in range(max(int(y) - _DIRECTION_REACH - 1, 0), min(int(y) + _DIRECTION_REACH + 2, height)):
-            for k in range(begin_at(edges, j, x - _DIRECTION_REACH), edges.rows[j + 1]):
+            for k in range(begin_at(edges.rows, edges.x, j, x - _DIRECTION_REACH), edges.rows[j + 1]):
                 dx, dy = edges.x[k] - x, edges.y[k] - y
                 if dx > _DIRECTION_REACH:
                     break
@@ -100,7 +100,7 @@ def _fit(first: int, last: int, edges: Edges, sigma: float, two_sided: bool, mad
         x, y, nx, ny = edges.x[e], edges.y[e], edges.nx[e], edges.ny[e]
         count, w0, w1, w2, h0, h1 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for j in range(max(math.floor(y - reach), 0), min(math.floor(y + reach) + 1, height)):
-            for k in range(begin_at(edges, j, x - reach), edges.rows[j + 1]):
+            for k in range(begin_at(edges.rows, edges.x, j, x - reach), edges.rows[j + 1]):
                 dx, dy = edges.x[k] - x, edges.y[k] - y
                 if dx > reach + MOVED:
                     break

@@ -1,8 +1,8 @@
-"""Searching points on edges near a place."""
+"""Searching what is near a place, among points in order of their rows, and of x in each row."""
 
 from __future__ import annotations
 
-from flowabs_nodes.filters.passes.edges import Edges
+from flowabs_nodes.array_types import Float64, Int64
 from flowabs_nodes.simd.jit import inlined
 
 #: How far a point may have been moved from where it was when points were put in order.
@@ -10,13 +10,13 @@ MOVED = 1.0
 
 
 @inlined
-def begin_at(edges: Edges, y: int, x: float) -> int:
+def begin_at(rows: Int64, xs: Float64, y: int, x: float) -> int:
     """Return the index of the first point of row y that may have an x of at least ``x``."""
-    low: int = edges.rows[y]
-    high: int = edges.rows[y + 1]
+    low: int = rows[y]
+    high: int = rows[y + 1]
     while low < high:
         middle = (low + high) // 2
-        if edges.x[middle] < x - MOVED:
+        if xs[middle] < x - MOVED:
             low = middle + 1
         else:
             high = middle
