@@ -43,7 +43,10 @@ def run_ink_lines(
         reference_depth,
         taper,
     )
-    return {"image": distance.with_pixels(ink, "color"), "lines": distance.with_pixels(1 - ink[..., 3], "matte")}
+    found = {"image": distance.with_pixels(ink, "color")}
+    if "lines" in context.wanted:
+        found["lines"] = distance.with_pixels(1 - ink[..., 3], "matte")
+    return found
 
 
 def _pens(params: Mapping[str, Any]) -> dict[str, Pen]:

@@ -135,9 +135,7 @@ def ink_lines(
 
 def _mattes(mattes: Mapping[str, npt.ArrayLike], shape: tuple[int, ...]) -> list[Array]:
     """Return the matte of each kind, of no pixels where there is none, or no line in it."""
-    for name in mattes:
-        if name not in _KINDS:
-            raise ArgumentError(f"mattes: there is no kind {name!r}", hint=nearest(name, _KINDS), parameter="mattes")
+    _check_kinds("mattes", mattes)
     if not mattes:
         raise ArgumentError(
             f"expected at least one of {', '.join(_KINDS)}, found none", code="missing-input", parameter="mattes"
@@ -149,13 +147,24 @@ def _mattes(mattes: Mapping[str, npt.ArrayLike], shape: tuple[int, ...]) -> list
 
 def _of_pens(pens: Mapping[str, Pen]) -> tuple[Array, Array]:
     """Return the widths of all kinds, (5,), and their inks, (5, 4)."""
+    _check_kinds("pens", pens)
     widths, inks = [], []
     for name in _KINDS:
         width, color, opacity = pens.get(name, PENS[name])
+        if len(color) != 3:
+            raise ArgumentError(f"{name}_color: expected three numbers, found {len(color)}", parameter=f"{name}_color")
         widths.append(validate.number(f"{name}_width", width, min=0, max=WIDEST))
         covering = validate.number(f"{name}_opacity", opacity, min=0, max=1)
         inks.append([covering * validate.number(f"{name}_color", part) for part in color] + [covering])
     return np.array(widths, np.float32), np.array(inks, np.float32)
+
+
+def _check_kinds(argument: str, given: Mapping[str, object]) -> None:
+    """Raise ArgumentError where a key is no kind of line."""
+    for name in given:
+        if name not in _KINDS:
+            message = f"{argument}: there is no kind {name!r}"
+            raise ArgumentError(message, hint=nearest(name, _KINDS), parameter=argument)
 
 
 def _tapered(ink: Array, flow: npt.ArrayLike | None, taper: float) -> Array:

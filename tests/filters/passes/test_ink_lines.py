@@ -181,6 +181,8 @@ def test_errors_name_the_argument():
         "distance: expected finite pixels": {"distance": np.where(distance > 9, np.nan, distance)},
         "object_width: expected a number at least 0 and at most 8": {"pens": {"object": Pen(9.0)}},
         "crease_opacity: expected a number at least 0 and at most 1": {"pens": {"crease": Pen(1.0, RED, 2.0)}},
+        "pens: there is no kind 'creases'": {"pens": {"creases": Pen(1.0)}},
+        "outline_color: expected three numbers, found 2": {"pens": {"outline": Pen(1.0, (0, 0))}},
         "outline_color: expected a number": {"pens": {"outline": Pen(1.0, (0, 0, float("inf")))}},
         "width_by_depth: needs the depth": {"width_by_depth": 1.0},
         "taper: needs the flow": {"taper": 4.0},
