@@ -23,9 +23,6 @@ WORKERS = {
 #: They come from the run, or from inputs and parameters of other names.
 NOT_PARAMETERS = {"alpha", "pens", "frame", "origin", "outputs", "view", "settings", "note", "warn", "layers"}
 NOT_PARAMETERS |= {"before", "after", "guides", "depths", "normals", "alphas"}
-#: They come from the inputs or the run.
-NOT_PARAMETERS = {"alpha", "mask", "response", "settings", "note", "warn", "layers"}
-NOT_PARAMETERS |= {"depth", "normal", "id", "coverage", "material", "view", "outputs"}
 
 
 def workers(type):
