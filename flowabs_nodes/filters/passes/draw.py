@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from flowabs_nodes.array_types import Array, Float64, Int32
-from flowabs_nodes.filters.passes.edges import CREASE, Edges
+from flowabs_nodes.filters.passes.edges import CREASE, KINDS, Edges
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined, kernel
 
@@ -44,15 +44,15 @@ class Drawing(NamedTuple):
     distance: Array
 
 
-def draw(edges: Edges, creases: Edges, pens: Pens, height: int, width: int, measured: bool) -> Drawing:
-    """Draw edges and creases; with ``measured``, strengths and distances too."""
+def draw(edges: Edges, creases: Edges, pens: Pens, height: int, width: int, *, apart: bool, measured: bool) -> Drawing:
+    """Draw edges and creases; ``apart`` each kind for itself too, ``measured`` with strengths and distances."""
     reach, crease_reach = (FAR, FAR) if measured else (ink_reach(pens.width), ink_reach(pens.crease_width / 2))
     size = (height, width) if measured else (0, 0)
     drawing = Drawing(
-        np.zeros((5, height, width), np.float32),
-        np.ones((height, width), np.float32),
-        np.zeros(size, np.float32),
-        np.full(size, FAR, np.float32),
+        np.empty((KINDS, height, width) if apart else (KINDS, 0, 0), np.float32),
+        np.empty((height, width), np.float32),
+        np.empty(size, np.float32),
+        np.empty(size, np.float32),
     )
     over_rows(_draw, height, edges, creases, pens, reach, crease_reach, drawing)
     return drawing
@@ -80,6 +80,12 @@ def _draw(
 ) -> None:
     """Draw the rows ``first`` .. ``last`` - 1."""
     width = drawing.lines.shape[1]
+    apart, measured = drawing.kinds.size > 0, drawing.distance.size > 0
+    drawing.lines[first:last] = 1
+    if apart:
+        drawing.kinds[:, first:last] = 0
+    if measured:
+        drawing.strength[first:last], drawing.distance[first:last] = 0, FAR
     shape = 2, last - first, width  # the nearest edge whose near side a pixel is on, and the one whose far side
     squares, signed, which = np.full(shape, np.inf), np.empty(shape), np.empty(shape, np.int32)
     _nearest(first, last, edges, reach, False, squares, signed, which)
@@ -98,19 +104,21 @@ def _draw(
                 if squares[side, j, x] < np.inf and squares[side, j, x] <= squares[1 - side, j, x] + _BOTH:
                     e, d = which[side, j, x], signed[side, j, x]
                     ink = edges.strength[e] * min(max(min(d, pens.width - d) + 0.5, 0.0), 1.0)
-                    drawing.kinds[edges.kind[e], y, x] = max(ink, drawing.kinds[edges.kind[e], y, x])
+                    if apart:
+                        drawing.kinds[edges.kind[e], y, x] = max(ink, drawing.kinds[edges.kind[e], y, x])
                     most = max(most, ink)
                     if squares[side, j, x] < squares[1 - side, j, x] or side == 0:
                         nearest, strength = d, edges.strength[e]
             if fold < np.inf:
                 d, s = abs(unsigned[0, j, x]), creases.strength[crease[0, j, x]]
                 ink = s * min(max(pens.crease_width / 2 - d + 0.5, 0.0), 1.0)
-                drawing.kinds[CREASE, y, x] = ink
+                if apart:
+                    drawing.kinds[CREASE, y, x] = ink
                 most = max(most, ink)
                 if fold < min(inner, outer):
                     nearest, strength = d, s
             drawing.lines[y, x] = 1 - most
-            if drawing.distance.size > 0:
+            if measured:
                 drawing.distance[y, x] = min(max(nearest, -FAR), FAR)
                 drawing.strength[y, x] = strength * min(max((_FADED - abs(nearest)) / (_FADED - _BAND), 0.0), 1.0)
 
