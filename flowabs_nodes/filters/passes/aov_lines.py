@@ -28,14 +28,18 @@ class AovLines(NamedTuple):
     """What :func:`aov_lines` draws, (H, W) float32 each; None what was not asked for."""
 
     lines: Array  # 1 paper, 0 ink
-    outline: Array  # the ink of each kind, 0 to 1
-    object: Array
-    material: Array
-    crease: Array
-    intersection: Array
+    outline: Array | None  # the ink of each kind, 0 to 1
+    object: Array | None
+    material: Array | None
+    crease: Array | None
+    intersection: Array | None
     strength: Array | None  # 0 to 1: of the nearest edge, within 2 px
     distance: Array | None  # px, to the nearest edge: positive on its near side; of a crease, to its middle
     flow: Array | None  # (H, W, 2)
+
+
+#: The kinds of edges, in the order of the codes in ``edges.py``.
+_KINDS = ("outline", "object", "material", "crease", "intersection")
 
 
 def aov_lines(
@@ -98,7 +102,7 @@ def aov_lines(
     view
         Where the camera's axis meets the picture, for "distance"; None: its middle, and the picture is all there is.
     outputs
-        Names of what is asked for. Of ``strength``, ``distance`` and ``flow``, the others are None.
+        Names of what is asked for; ``lines`` are made in any case. What is None saves time.
 
     Raises
     ------
@@ -144,16 +148,14 @@ def aov_lines(
         creases = fitted(directed(found, two_sided=True), sigma_m, two_sided=True)
 
     measured = "strength" in outputs or "distance" in outputs
-    drawing = draw(edges, creases, Pens(width, crease_width), height, wide, measured)
+    apart = any(name in outputs for name in _KINDS)
+    pens = Pens(width, crease_width)
+    drawing = draw(edges, creases, pens, height, wide, apart=apart, measured=measured)
     flow = passes_flow(edges, unit, (height, wide), radius, iterations) if "flow" in outputs else None
-    outline, object, material_change, crease, intersection = drawing.kinds
+    kinds = dict(zip(_KINDS, drawing.kinds, strict=True)) if apart else dict.fromkeys(_KINDS)
     return AovLines(
         lines=drawing.lines,
-        outline=outline,
-        object=object,
-        material=material_change,
-        crease=crease,
-        intersection=intersection,
+        **kinds,
         strength=drawing.strength if measured else None,
         distance=drawing.distance if measured else None,
         flow=flow,

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from flowabs_nodes.array_types import Array, Float64, Int32
-from flowabs_nodes.filters.passes.edges import CREASE, Edges
+from flowabs_nodes.filters.passes.edges import CREASE, KINDS, Edges
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined, kernel
 
@@ -24,6 +24,7 @@ FAR = 10.0
 
 _WEAKER = 2.0  # px: how much further away a point without strength counts
 _HALF, _SPREAD = 0.75, 0.7  # half the length of a piece, in pixels, and how much more for each pixel away
+_BOTH = 0.5  # px^2: edges that are as near as that are both drawn
 _BAND, _FADED = 2.0, 3.0  # px: strength is told this near an edge, and no more from there on
 
 
@@ -43,15 +44,15 @@ class Drawing(NamedTuple):
     distance: Array
 
 
-def draw(edges: Edges, creases: Edges, pens: Pens, height: int, width: int, measured: bool) -> Drawing:
-    """Draw edges and creases; with ``measured``, strengths and distances too."""
+def draw(edges: Edges, creases: Edges, pens: Pens, height: int, width: int, *, apart: bool, measured: bool) -> Drawing:
+    """Draw edges and creases; ``apart`` each kind for itself too, ``measured`` with strengths and distances."""
     reach, crease_reach = (FAR, FAR) if measured else (ink_reach(pens.width), ink_reach(pens.crease_width / 2))
     size = (height, width) if measured else (0, 0)
     drawing = Drawing(
-        np.zeros((5, height, width), np.float32),
-        np.ones((height, width), np.float32),
-        np.zeros(size, np.float32),
-        np.full(size, FAR, np.float32),
+        np.empty((KINDS, height, width) if apart else (KINDS, 0, 0), np.float32),
+        np.empty((height, width), np.float32),
+        np.empty(size, np.float32),
+        np.empty(size, np.float32),
     )
     over_rows(_draw, height, edges, creases, pens, reach, crease_reach, drawing)
     return drawing
@@ -79,31 +80,45 @@ def _draw(
 ) -> None:
     """Draw the rows ``first`` .. ``last`` - 1."""
     width = drawing.lines.shape[1]
-    shape = last - first, width
-    squares, signed, which = np.full(shape, np.inf), np.empty(shape), np.full(shape, -1, np.int32)
-    crease_squares, unsigned, crease = np.full(shape, np.inf), np.empty(shape), np.full(shape, -1, np.int32)
-    _nearest(first, last, edges, reach, squares, signed, which)
-    _nearest(first, last, creases, crease_reach, crease_squares, unsigned, crease)
+    apart, measured = drawing.kinds.size > 0, drawing.distance.size > 0
+    drawing.lines[first:last] = 1
+    if apart:
+        drawing.kinds[:, first:last] = 0
+    if measured:
+        drawing.strength[first:last], drawing.distance[first:last] = 0, FAR
+    shape = 2, last - first, width  # the nearest edge whose near side a pixel is on, and the one whose far side
+    squares, signed, which = np.full(shape, np.inf), np.empty(shape), np.empty(shape, np.int32)
+    _nearest(first, last, edges, reach, False, squares, signed, which)
+    folds = 1, last - first, width
+    crease_squares, unsigned, crease = np.full(folds, np.inf), np.empty(folds), np.empty(folds, np.int32)
+    _nearest(first, last, creases, crease_reach, True, crease_squares, unsigned, crease)
     for y in range(first, last):
         j = y - first
         for x in range(width):
-            if which[j, x] < 0 and crease[j, x] < 0:
+            inner, outer, fold = squares[0, j, x], squares[1, j, x], crease_squares[0, j, x]
+            if min(inner, outer, fold) == np.inf:
                 continue
-            ink, nearest, strength = 0.0, FAR, 0.0
-            if which[j, x] >= 0:
-                d, strength = signed[j, x], edges.strength[which[j, x]]
-                nearest = d
-                ink = strength * min(max(min(d, pens.width - d) + 0.5, 0.0), 1.0)
-                drawing.kinds[edges.kind[which[j, x]], y, x] = ink
-            if crease[j, x] >= 0:
-                d, s = abs(unsigned[j, x]), creases.strength[crease[j, x]]
-                folded = s * min(max(pens.crease_width / 2 - d + 0.5, 0.0), 1.0)
-                drawing.kinds[CREASE, y, x] = folded
-                ink = max(ink, folded)
-                if crease_squares[j, x] < squares[j, x]:
+            most, nearest, strength = 0.0, FAR, 0.0
+            for side in range(2):
+                # Where lines meet, a pixel beyond the one's edge is on the other.
+                if squares[side, j, x] < np.inf and squares[side, j, x] <= squares[1 - side, j, x] + _BOTH:
+                    e, d = which[side, j, x], signed[side, j, x]
+                    ink = edges.strength[e] * min(max(min(d, pens.width - d) + 0.5, 0.0), 1.0)
+                    if apart:
+                        drawing.kinds[edges.kind[e], y, x] = max(ink, drawing.kinds[edges.kind[e], y, x])
+                    most = max(most, ink)
+                    if squares[side, j, x] < squares[1 - side, j, x] or side == 0:
+                        nearest, strength = d, edges.strength[e]
+            if fold < np.inf:
+                d, s = abs(unsigned[0, j, x]), creases.strength[crease[0, j, x]]
+                ink = s * min(max(pens.crease_width / 2 - d + 0.5, 0.0), 1.0)
+                if apart:
+                    drawing.kinds[CREASE, y, x] = ink
+                most = max(most, ink)
+                if fold < min(inner, outer):
                     nearest, strength = d, s
-            drawing.lines[y, x] = 1 - ink
-            if drawing.distance.size > 0:
+            drawing.lines[y, x] = 1 - most
+            if measured:
                 drawing.distance[y, x] = min(max(nearest, -FAR), FAR)
                 drawing.strength[y, x] = strength * min(max((_FADED - abs(nearest)) / (_FADED - _BAND), 0.0), 1.0)
 
@@ -119,10 +134,20 @@ def _between(slope: float, value: float, most: float) -> tuple[float, float]:
 
 @inlined
 def _nearest(
-    first: int, last: int, edges: Edges, reach: float, squares: Float64, signed: Float64, which: Int32
+    first: int,
+    last: int,
+    edges: Edges,
+    reach: float,
+    two_sided: bool,
+    squares: Float64,
+    signed: Float64,
+    which: Int32,
 ) -> None:
-    """Write d and the index of the nearest point, within ``reach``, of each pixel of the rows first .. last - 1."""
-    height, width = edges.rows.size - 1, signed.shape[1]
+    """Write d and the index of the nearest point, within ``reach``, of each pixel of the rows first .. last - 1.
+
+    In layer 0 of the results is the nearest one with d >= 0, or of all if ``two_sided``; in layer 1 that with d < 0.
+    """
+    height, width = edges.rows.size - 1, signed.shape[2]
     most = _HALF + _SPREAD * reach
     margin = math.ceil(math.hypot(reach, most)) + 2
     for e in range(edges.rows[max(first - margin, 0)], edges.rows[min(last + margin, height)]):
@@ -144,7 +169,8 @@ def _nearest(
                 square = d * d + s * s
                 if square > reach * reach or abs(s) > _HALF + _SPREAD * abs(d):
                     continue
-                if square + weaker < squares[y - first, x]:
-                    squares[y - first, x] = square + weaker
-                    signed[y - first, x] = d
-                    which[y - first, x] = e
+                side = 0 if d >= 0 or two_sided else 1
+                if square + weaker < squares[side, y - first, x]:
+                    squares[side, y - first, x] = square + weaker
+                    signed[side, y - first, x] = d
+                    which[side, y - first, x] = e

@@ -38,6 +38,7 @@ from flowabs_nodes.simd.jit import inlined, kernel
 
 #: The kinds of edges.
 OUTLINE, OBJECT, MATERIAL_CHANGE, CREASE, INTERSECTION = range(5)
+KINDS = 5
 
 _VOTE = 3.0  # px, sigma
 _REACH = 9  # px
