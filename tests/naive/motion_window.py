@@ -110,17 +110,21 @@ def read_motion(motion: Float64, place: tuple[float, float], to_next: bool) -> t
 
 
 def same_surface(own: Any, there: Any, x: int, y: int, place: Any, tolerance: float, degrees: float) -> bool:
-    """Return whether depth and normal of the pixel nearest to a place are those of the pixel x, y."""
-    (x0, y0), (u, v) = corner(place, own["image"].shape)
-    near = (y0 + (v >= 0.5), x0 + (u >= 0.5))
-    if own["depth"] is not None:
-        a, b = own["depth"][y, x], there["depth"][near]
-        if abs(a - b) > tolerance * min(abs(a), abs(b)):
-            return False
-    if own["normal"] is not None:
-        n, m = own["normal"][y, x], there["normal"][near]
-        return bool(n @ m >= math.cos(math.radians(degrees)) * np.linalg.norm(n) * np.linalg.norm(m))
-    return True
+    """Return whether one of the four pixels around a place has the depth and the normal of the pixel x, y."""
+    (x0, y0), _ = corner(place, own["image"].shape)
+    height, width = own["image"].shape[:2]
+
+    def same(near: tuple[int, int]) -> bool:
+        if own["depth"] is not None:
+            a, b = own["depth"][y, x], there["depth"][near]
+            if abs(a - b) > tolerance * min(abs(a), abs(b)):
+                return False
+        if own["normal"] is not None:
+            n, m = own["normal"][y, x], there["normal"][near]
+            return bool(n @ m >= math.cos(math.radians(degrees)) * np.linalg.norm(n) * np.linalg.norm(m))
+        return True
+
+    return any(same((min(y0 + j, height - 1), min(x0 + i, width - 1))) for j in range(2) for i in range(2))
 
 
 def corner(place: tuple[float, float], shape: tuple[int, ...]) -> tuple[tuple[int, int], tuple[float, float]]:

@@ -5,8 +5,9 @@ it is lost. It is lost where it
 
 - leaves the picture;
 - does not come back: the step back from the new place misses the old one by more than ``consistency`` pixels;
-- comes to a depth that differs from the pixel's own by more than ``depth_tolerance`` of the nearer one, for each frame
-  of the way, or to a normal turned by more than ``normal_tolerance``: something else is in front.
+- comes to where none of the four pixels around is of its surface: their depths differ from the pixel's own by more than
+  ``depth_tolerance`` of the nearer one, for each frame of the way, or their normals are turned by more than
+  ``normal_tolerance``. Something else is in front.
 
 The weight of a place on frame k is
 
@@ -21,7 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from flowabs_nodes.array_types import Array
+from flowabs_nodes.array_types import Array, Int32
 from flowabs_nodes.filters.motion.places import (
     Pairs,
     Path,
@@ -45,7 +46,6 @@ from flowabs_nodes.simd.lanes import (
     select,
     splat_floats,
     sqrt,
-    to_ints,
 )
 from flowabs_nodes.simd.memory import gather_quads, load, load_quads, store
 
@@ -101,7 +101,7 @@ def follow(
     is what is seen on the pixels' own frame, ``there`` what is seen on the next one.
     """
     stride = raster.stride
-    nearest = np.empty(stride, np.int32)  # where the nearest pixel's surface stands
+    records = np.empty(stride, np.int32)  # where the surfaces of places' upper left pixels stand
     for y in range(first, last):
         begin = (y - first) * stride
         for x0 in range(0, stride, LANES):
@@ -110,8 +110,7 @@ def follow(
             step_x, step_y = _step_from(steps[0], place_of(before, at, raster))
             dx, dy = load(before.dx, at) + step_x, load(before.dy, at) + step_y
             set_place(after, at, dx, dy, x, y, raster)
-            right, lower = to_ints(load(after.fx, at) + 0.5), to_ints(load(after.fy, at) + 0.5)
-            store(nearest, x, 4 * (load(after.corner, at) + right + lower * stride))
+            store(records, x, 4 * load(after.corner, at))
         for x0 in range(0, stride, LANES):
             x = min(x0, stride - LANES)
             pixel, at = y * stride + x, begin + x
@@ -120,7 +119,7 @@ def follow(
             miss_x, miss_y = dx + back_x - load(before.dx, at), dy + back_y - load(before.dy, at)
             found = miss_x * miss_x + miss_y * miss_y <= limits.consistency * limits.consistency  # NaN is not
             if own.surface.size > 0:
-                found = found & _same_surface(own.surface, there.surface, nearest, x, pixel, limits)
+                found = found & _same_surface(own.surface, there.surface, records, x, pixel, limits, raster)
             weight = splat_floats(limits.falloff)
             if own.guide.size > 0:
                 change = sample_plane(there.guide, place) - load(own.guide, pixel)
@@ -144,10 +143,18 @@ def _step_from(steps: Pairs, at: Place) -> tuple[Floats, Floats]:
 
 
 @inlined
-def _same_surface(own: Array, there: Array, nearest: Array, x: int, pixel: int, limits: Limits) -> Masks:
-    """Return where depths and normals there are those of the pixels, within the limits; (0, 0, 0) goes with any."""
+def _same_surface(own: Array, there: Array, corner: Int32, x: int, pixel: int, limits: Limits, raster: Raster) -> Masks:
+    """Return where one of the four pixels around a place has the pixel's depth and normal; (0, 0, 0) goes with any.
+
+    ``corner`` is, from x on, where the record of the upper left one stands.
+    """
     u, v, w, z = load_quads(own, 4 * pixel)
-    a, b, c, z_there = gather_quads(there, nearest, x)
-    lengths = sqrt((u * u + v * v + w * w) * (a * a + b * b + c * c))
-    as_far = absolute(z_there - z) <= limits.depth * minimum(absolute(z), absolute(z_there))
-    return as_far & (u * a + v * b + w * c >= limits.cosine * lengths)
+    square = u * u + v * v + w * w
+    found = z > z  # nowhere
+    for k in range(4):
+        right, below = min(k % 2, raster.width - 1), min(k // 2, raster.height - 1)
+        a, b, c, z_there = gather_quads(there[4 * (below * raster.stride + right) :], corner, x)
+        as_far = absolute(z_there - z) <= limits.depth * minimum(absolute(z), absolute(z_there))
+        alike = u * a + v * b + w * c >= limits.cosine * sqrt(square * (a * a + b * b + c * c))
+        found = found | (as_far & alike)
+    return found

@@ -69,7 +69,8 @@ def checked_alphas(alphas: Frames | None, pictures: Mapping[int, Array]) -> dict
     if pictures[0].shape[2:] != (3,):
         message = f"alphas: expected for code values (H, W, 3) alone, found images {pictures[0].shape}"
         raise ArgumentError(message, parameter="alphas")
-    return {k: validate.plane("alphas", alphas.get(k, _NOTHING), picture.shape) for k, picture in pictures.items()}
+    planes = {k: validate.plane("alphas", alphas.get(k, _NOTHING), picture.shape) for k, picture in pictures.items()}
+    return {k: np.maximum(plane, 0) for k, plane in planes.items()}
 
 
 def frames_of(
