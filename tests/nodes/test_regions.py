@@ -47,7 +47,7 @@ def test_a_flow_needs_the_whole_picture_for_statistics_and_fill():
 
 def test_nodes_that_look_at_the_whole_picture_have_no_region():
     without = {type for type, node in NODES.items() if node.inputs and node.outputs and node.region is None}
-    assert without == {"lic", "canny", "mean_shift", "reformat", "optical_flow", "motion_window"}
+    assert without == {"lic", "canny", "mean_shift", "reformat", "aov_lines", "optical_flow", "motion_window"}
 
 
 @pytest.mark.parametrize("type", ["fdog", "fdog_iterative"])
