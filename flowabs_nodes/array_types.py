@@ -15,6 +15,8 @@ Array = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 Int64 = npt.NDArray[np.int64]
+#: Ids.
+Uint32 = npt.NDArray[np.uint32]
 #: A flow in kernels: t.x + i t.y for each pixel.
 Complex64 = npt.NDArray[np.complex64]
 

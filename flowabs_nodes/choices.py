@@ -47,6 +47,7 @@ CATEGORIES = Choices(
         "lines": "draws lines",
         "regions": "flattens regions and cleans up their edges",
         "tone": "changes light and dark",
+        "motion": "follows what moves from frame to frame",
         "merge": "puts pictures together",
         "compare": "is what the paper compares its own filters with",
         "utility": "helps other nodes",
@@ -91,6 +92,31 @@ WORKING_SCALES = Choices(
     {"1/2": "1/2", "1/4": "1/4"},
 )
 
+#: How much a frame of ``motion_window`` counts by its distance in time.
+FALLOFFS = Choices(
+    {
+        "gaussian": "less the farther away it is: sigma is the reach",
+        "box": "all alike: steadier, and a little softer",
+    }
+)
+
+#: What ``motion_window`` does where frames of its window are not there.
+WINDOW_ENDS = Choices(
+    {
+        "shrink": "it averages the frames that are there",
+        "error": "the frame fails",
+    }
+)
+
+#: How carefully ``optical_flow`` looks.
+FLOW_PRESETS = Choices(
+    {
+        "ultrafast": "coarse, ten times as fast as medium",
+        "fast": "five times as fast as medium",
+        "medium": "finer, for final frames",
+    }
+)
+
 #: The kernel of ``etf``.
 ETF_KERNELS = Choices(
     {
@@ -105,6 +131,15 @@ FDOG_KERNELS = Choices(
     {
         "separable": "across the flow, then along it: eqs. 10 and 11, fast",
         "full": "eq. 6, sampled point by point",
+    }
+)
+
+#: What the numbers of a depth pass are.
+PROJECTIONS = Choices(
+    {
+        "planar": "Z, along the camera's axis",
+        "distance": "the way from the camera along the ray",
+        "orthographic": "Z of a camera without perspective",
     }
 )
 
@@ -217,6 +252,11 @@ MISSING = Choices(
         "black": "black, of the nearest frame's size",
         "skip": "nothing: the frame is left out",
     }
+)
+
+#: What is read in place of a pass that a file does not have.
+ABSENT = Choices(
+    {"error": "nothing: the frame fails", "empty": "a pass that shows nothing, with a warning: lines go without it"}
 )
 
 #: What happens to an output file that is there already.

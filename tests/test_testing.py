@@ -67,6 +67,10 @@ def forgets(context, image):
     return image.with_pixels(image.pixels + np.random.default_rng().random())
 
 
+def flickers(context, image):
+    return image.with_pixels(image.pixels * np.float32(context.frame % 2))
+
+
 def breaks_on_one_pixel(context, image):
     return image.with_pixels(image.pixels / np.ptp(np.arange(image.pixels.shape[0]), keepdims=True))
 
@@ -103,6 +107,9 @@ BAD = [
     ("survives_nan_and_inf", without_params(spreads_nan)),
     ("survives_nan_and_inf", without_params(crashes_on_nan)),
     ("gives_the_same_again", without_params(forgets)),
+    ("owes_to_the_frame_what_it_says", without_params(flickers)),
+    ("owes_to_the_frame_what_it_says", without_params(flickers, moment=lambda params, frame: frame // 2)),
+    ("owes_to_the_frame_what_it_says", with_run(run_gain, moment=lambda params, frame: frame)),
     ("takes_small_pictures", without_params(breaks_on_one_pixel)),
     ("runs_with_defaults", without_params(moves)),
     ("mode_changes_the_picture", with_run(lambda context, image, *, gain, mode, keep: image)),

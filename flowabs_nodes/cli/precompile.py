@@ -93,10 +93,12 @@ def run_small(
         if file_role(loaded, step.unit.node) or (own_only and (foreign or node.type in seen)):
             continue
         seen.add(node.type)
+        frames = (0, 1, 2) if node.frames else (1,)  # a node that reads other frames gets one to either side
         given = {}
         for each in step.needs:
             port = loaded.nodes[each.node].declaration.all_outputs[each.output]
-            given[f"{each.node}.{each.output}"] = _picture("color" if port.same_as else port.types.split("|")[0])
+            picture = _picture("color" if port.same_as else port.types.split("|")[0])
+            given[f"{each.node}.{each.output}"] = dict.fromkeys(frames, picture)
         outputs = [f"{step.unit.node}.{name}" for name in step.wanted]
         with suppress(FlowabsError):  # the run itself says what is wrong
             for image in loaded.run(given=given, outputs=outputs, on_event=lambda event: None).values():

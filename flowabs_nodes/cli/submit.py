@@ -24,9 +24,12 @@ def submit() -> None:
 @submit.command()
 @click.argument("graph", shell_complete=completion.graphs)
 @click.option(
-    "--chunk", cls=OnceOption, type=click.IntRange(min=1), default=10, show_default=True, help="Frames of one task."
+    "--chunk",
+    cls=OnceOption,
+    type=click.IntRange(min=1),
+    help="Frames of one task; without it 10, and 24 for a graph that reads frames around each.",
 )
-def openjd(graph: str, chunk: int, **options: Any) -> None:
+def openjd(graph: str, chunk: int | None, **options: Any) -> None:
     """Print an Open Job Description template of a run: flowabs submit openjd GRAPH ... > job.json
 
     Save it in the current folder: names of files are relative to the folder that it is in. Its tasks call flowabs,

@@ -24,7 +24,7 @@ from flowabs_nodes.engine.dask_worker import TOPIC, Begun, Ended, Left, Task, en
 from flowabs_nodes.engine.options import RunOptions
 from flowabs_nodes.engine.report import FrameReport, Note
 from flowabs_nodes.engine.run_events import RunEvents
-from flowabs_nodes.engine.worker_pool import too_large
+from flowabs_nodes.engine.worker_pool import expected_memory, too_large
 from flowabs_nodes.errors import InternalError
 from flowabs_nodes.io.claim_watch import SILENCE
 from flowabs_nodes.simd import bands
@@ -66,6 +66,7 @@ class DaskPool:
         self._lost: dict[int, int] = {}  # how often a frame's worker was lost
         self._claimed_since: dict[int, float] = {}
         self._peak = 0
+        self._ended = 0
         self._told_alone = False
         self._presence = DaskPresence(cluster, tell.note, self._hear)
 
@@ -105,7 +106,7 @@ class DaskPool:
         usable = self._cluster.usable
         if not self._waiting or not usable or not self._presence.connected:
             return
-        room = self._cluster.room(self._peak, self._options.jobs)
+        room = self._cluster.room(expected_memory(self._peak, self._ended, self._chunk), self._options.jobs)
         if self._peak > self._cluster.memory and not self._told_alone:
             self._told_alone = True
             self._tell.note(too_large(self._peak, self._cluster.memory))
@@ -167,6 +168,7 @@ class DaskPool:
                 sent.since = time.monotonic()
                 if report.status == "done":
                     self._peak = max(self._peak, peak, 1)
+                    self._ended += 1
                 if not self._postponed(report):
                     yield report
             case Note():

@@ -14,6 +14,7 @@ from flowabs_nodes.engine.frame_numbers import frame_numbers
 from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.options import PathLike, RunOptions
 from flowabs_nodes.engine.plan import file_role, make_plan, sinks
+from flowabs_nodes.engine.plate_file import with_plate_file
 from flowabs_nodes.engine.sources import file_of, reads_pictures
 from flowabs_nodes.engine.target_files import RealNames, check_folders, refuse_inputs, target_paths
 from flowabs_nodes.engine.unit_params import UnitParams, inputs_on_any_frame
@@ -81,14 +82,17 @@ def build_job(graph: Graph, options: RunOptions, *, touch: bool = True) -> tuple
 
 
 def set_files(graph: Graph, options: RunOptions) -> tuple[Graph, tuple[str, ...]]:
-    """Set the file of the graph's only read and of its only write; return the graph and the further outputs."""
+    """Set the file of the graph's only read and of its only write; return the graph and the further outputs.
+
+    Nodes that read passes, and have no file, get that of the plate.
+    """
     files = {}
     if options.input is not None:
         files[f"{_only(graph, 'read', '-i')}.file"] = os.fspath(options.input)
     outputs = as_list(options.output)
     if outputs:
         files[f"{_only(graph, 'write', '-o')}.file"] = outputs[0]
-    return (override(graph, files) if files else graph), tuple(outputs[1:])
+    return with_plate_file(override(graph, files) if files else graph), tuple(outputs[1:])
 
 
 def as_list(output: PathLike | Iterable[PathLike] | None) -> list[str]:

@@ -2,7 +2,8 @@
 
 A node's key is a hash of its type and version, the version of the package it comes from, the parameters that do
 something beside each other, and the keys of its inputs, on all frames that it reads; where it reads a file, of the
-file's content instead of its name. No filter has to run to know it.
+file's content instead of its name. The number of the frame counts only as far as a node says so (``moment``). No filter
+has to run to know it.
 """
 
 from __future__ import annotations
@@ -67,6 +68,7 @@ def unit_keys(
                 else [[offset, key_of(each)] for offset, each in needed.items()]
                 for name, needed in step.inputs.items()
             },
+            frame=step.unit.frame,
             content=contents.get(step.unit, ""),
             reference_size=graph.reference_size,
             scale=scale,
@@ -80,6 +82,7 @@ def node_key(
     params: Mapping[str, Any],
     inputs: Mapping[str, Any],
     *,
+    frame: int = 1,
     content: str = "",
     reference_size: ReferenceSize | None = None,
     scale: float = 1.0,
@@ -90,6 +93,7 @@ def node_key(
     ``params`` are checked, lengths not scaled; one that the others disable counts as its default. ``inputs`` are plain
     data that name each input's key and output; the others are as for :func:`unit_keys`.
     """
+    moment = None if declaration.moment is None else declaration.moment(declaration.defaults() | dict(params), frame)
     touches_files = declaration.file_param is not None
     size = None if reference_size is None else [reference_size.measure, reference_size.pixels]
     return _digest(
@@ -107,6 +111,7 @@ def node_key(
             "lengths": [_exact(size), _exact(scale)] if has_lengths(declaration) else None,
             "scale": _exact(scale) if touches_files else None,
             "ocio": ocio if declaration.uses_config else "",
+            **({} if moment is None else {"moment": _exact(moment)}),
         }
     )
 

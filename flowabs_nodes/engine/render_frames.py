@@ -18,6 +18,7 @@ from flowabs_nodes.engine.report import FrameReport, Note
 from flowabs_nodes.engine.result_store import ResultStore
 from flowabs_nodes.engine.retries import render_with_retries
 from flowabs_nodes.engine.run_events import RunEvents
+from flowabs_nodes.engine.unit_params import reads_other_frames
 from flowabs_nodes.engine.worker_pool import Limits, WorkerPool
 from flowabs_nodes.errors import WriteError
 from flowabs_nodes.io.claim_watch import ClaimWatch
@@ -132,9 +133,7 @@ def can_travel(job: Job) -> bool:
 
 def _chunk(job: Job, numbers: Sequence[int], jobs: int) -> int:
     """Return how many frames a process gets at a time, of ``jobs`` at once."""
-    if all(node.declaration.frames is None for node in job.graph.nodes.values()):
-        return 1
-    return min(NEIGHBOURS, math.ceil(len(numbers) / jobs))
+    return min(NEIGHBOURS, math.ceil(len(numbers) / jobs)) if reads_other_frames(job.graph) else 1
 
 
 def _disk_is_full(report: FrameReport) -> bool:

@@ -15,6 +15,7 @@ from flowabs_nodes.engine.given import Given, given_images
 from flowabs_nodes.engine.ocio_choice import choose_config
 from flowabs_nodes.engine.options import RunOptions
 from flowabs_nodes.engine.plan import output_names
+from flowabs_nodes.engine.plate_file import with_plate_file
 from flowabs_nodes.engine.report import Listener, Note, tell_notes
 from flowabs_nodes.engine.resize import scale_image
 from flowabs_nodes.graph.model import Graph
@@ -91,7 +92,7 @@ class RunnableGraph(Graph):
             Ctrl-C: a second one does not wait until the kernel at work has ended.
         """
         frame = frame_number(frame)
-        graph = self if set is None else self.with_set(set)
+        graph = with_plate_file(self if set is None else self.with_set(set))
         options, about_colors = choose_config(RunOptions(scale=scale, **vars(settings or Settings())))
         stand_ins = {} if given is None else given_images(graph, given, frame)
         images = {result: scale_image(image, options.scale) for result, image in stand_ins.items()}

@@ -14,6 +14,7 @@ from flowabs_nodes.engine.knob_states import KnobState, knob_states
 from flowabs_nodes.engine.ocio_choice import choose_config
 from flowabs_nodes.engine.options import RunOptions
 from flowabs_nodes.engine.plan import named_result, output_names
+from flowabs_nodes.engine.plate_file import with_plate_file
 from flowabs_nodes.engine.report import Listener, Note, tell_notes
 from flowabs_nodes.engine.runnable import GraphSource, RunnableGraph, load_graph
 from flowabs_nodes.engine.session_cache import SessionCache
@@ -197,7 +198,7 @@ class Session:
         with self._changing:
             if self._closed:
                 raise CommandError("the session is closed", code="closed")
-            graph, names = self._graph, output_names(self._graph, outputs)
+            graph, names = load_graph(with_plate_file(self._graph)), output_names(self._graph, outputs)
             given = given_images(graph, self._given, frame)
 
         def work() -> dict[str, Image]:

@@ -65,6 +65,11 @@ def chooses_inputs(graph: Graph) -> bool:
     return any(node.declaration.needs is not None for node in graph.nodes.values())
 
 
+def reads_other_frames(graph: Graph) -> bool:
+    """Return whether the graph has a node that reads its inputs on other frames too."""
+    return any(node.declaration.frames is not None for node in graph.nodes.values())
+
+
 def inputs_on_any_frame(graph: Graph, unit: Unit, params: Mapping[Unit, Params]) -> Inputs:
     """Return what a unit reads of its own frame, and what it would read of it with its parameters of other frames.
 

@@ -30,6 +30,9 @@ from flowabs_nodes.errors import InternalError
 _LOOK = 0.1  # seconds between two looks at whether the run is to stop
 _PATIENCE = 5.0  # seconds that a process has to give up its frame when the run stops
 
+#: So many frames have to end until what they took is what others take that read their neighbours too.
+SETTLED = 5
+
 
 @dataclass(frozen=True)
 class Limits:
@@ -127,6 +130,7 @@ class WorkerPool:
         self._leaving: list[_Worker] = []  # asked to end
         self._waiting: deque[tuple[int, ...]] = deque()
         self._tries: dict[int, int] = {}
+        self._ended = 0
         self._told_alone = False
 
     def render(self, numbers: Iterable[int]) -> Iterator[FrameReport]:
@@ -160,8 +164,9 @@ class WorkerPool:
         """Return how many frames may be rendered at once."""
         if not self.peak:
             return 1
-        fit = (self.limits.memory - resident()) // self.peak
-        if fit < 1 and not self._told_alone:
+        left = self.limits.memory - resident()
+        fit = left // expected_memory(self.peak, self._ended, self._chunk)
+        if left < self.peak and not self._told_alone:
             self._told_alone = True
             self.tell.note(too_large(self.peak, self.limits.memory))
         return max(1, min(self._jobs, fit))
@@ -206,6 +211,7 @@ class WorkerPool:
                 worker.left.remove(report.frame)
                 if report.status == "done":  # to look at a frame that is there takes less
                     self.peak = max(self.peak, peak, 1)
+                    self._ended += 1
                 yield report
             case None if worker in self._workers:
                 self._workers.remove(worker)
@@ -270,6 +276,15 @@ class WorkerPool:
         """Kill all processes, at once."""
         for worker in [*self._workers, *self._leaving]:
             worker.process.kill()
+
+
+def expected_memory(peak: int, ended: int, chunk: int) -> int:
+    """Return how many bytes a frame is expected to take, if of those that have ``ended`` one took ``peak`` at most.
+
+    A process that gets a ``chunk`` of neighbouring frames takes more with each of the first ones: at the start of a
+    sequence windows are half, and there are no results yet that are held for others.
+    """
+    return 2 * peak if chunk > 1 and ended < SETTLED else peak
 
 
 def too_large(peak: int, memory: int) -> Note:

@@ -27,6 +27,13 @@ if TYPE_CHECKING:
     from flowabs_nodes.filters.lines.stroke import stroke
     from flowabs_nodes.filters.lines.threshold import threshold
     from flowabs_nodes.filters.lines.xdog import xdog, xdog_rho
+    from flowabs_nodes.filters.motion.boil import boil
+    from flowabs_nodes.filters.motion.optical_flow import optical_flow
+    from flowabs_nodes.filters.motion.window import motion_window
+    from flowabs_nodes.filters.passes.aov_lines import aov_lines
+    from flowabs_nodes.filters.passes.id_matte import id_matte
+    from flowabs_nodes.filters.passes.ink_lines import ink_lines
+    from flowabs_nodes.filters.passes.join_lines import join_lines
     from flowabs_nodes.filters.regions.bilateral import bilateral
     from flowabs_nodes.filters.regions.bilateral_oriented import bilateral_oriented
     from flowabs_nodes.filters.regions.fbl import fbl
@@ -37,9 +44,11 @@ if TYPE_CHECKING:
     from flowabs_nodes.filters.warming import warm_up
 
 __all__ = [
+    "aov_lines",
     "bilateral",
     "bilateral_oriented",
     "blur",
+    "boil",
     "canny",
     "composite",
     "dog",
@@ -49,11 +58,16 @@ __all__ = [
     "fdog_iterative",
     "flow_blur",
     "flow_color",
+    "id_matte",
     "ink_color",
+    "ink_lines",
+    "join_lines",
     "lic",
     "mean_shift",
     "measure_clipping",
     "measure_reference",
+    "motion_window",
+    "optical_flow",
     "quantize",
     "rolling_guidance",
     "shoulder",
@@ -66,9 +80,11 @@ __all__ = [
 
 #: The module of this package that holds each function.
 _HOMES = {
+    "aov_lines": "passes.aov_lines",
     "bilateral": "regions.bilateral",
     "bilateral_oriented": "regions.bilateral_oriented",
     "blur": "gaussian_blur",
+    "boil": "motion.boil",
     "canny": "lines.canny",
     "composite": "compositing",
     "dog": "lines.dog",
@@ -78,11 +94,16 @@ _HOMES = {
     "fdog_iterative": "lines.fdog_iterative",
     "flow_blur": "flow.flow_blur",
     "flow_color": "flow.flow_color",
+    "id_matte": "passes.id_matte",
     "ink_color": "ink_color",
+    "ink_lines": "passes.ink_lines",
+    "join_lines": "passes.join_lines",
     "lic": "flow.lic",
     "mean_shift": "regions.mean_shift",
     "measure_clipping": "regions.mean_shift",
     "measure_reference": "flow.gradient",
+    "motion_window": "motion.window",
+    "optical_flow": "motion.optical_flow",
     "quantize": "regions.quantize",
     "rolling_guidance": "regions.rolling_guidance",
     "shoulder": "shoulder",

@@ -20,6 +20,9 @@ from flowabs_nodes.filters.lines.soft_reach import lengths as soft_edge_lengths
 from flowabs_nodes.filters.lines.soft_reach import steps_across
 from flowabs_nodes.filters.lines.stroke_lengths import longest_walk, smoothing, widest
 
+#: Sigma in pixels over which ``boil`` averages the flow, so that what meets at a corner moves together.
+BOIL_EASE = 2.0
+
 _SOBEL = 1  # pixels that a gradient reads to each side
 
 
@@ -91,6 +94,27 @@ def stroke(min_length: float, taper: float) -> int:
     steps, across = longest_walk(min_length, taper), widest(min_length, taper)
     walk = along(math.ceil(math.hypot(1, 0.5) * steps)) + 1  # the ink on either side of a point
     return blur(smoothing(min_length, taper)) + max(walk, along(across))
+
+
+def join_lines(gap: float) -> int:
+    """Return the halo of joined lines: how many pixels away ink clears the paper, up to ``gap`` + 1/2 of them."""
+    return math.ceil(gap + 0.5) - 1 if gap > 0 else 0
+
+
+def ink_lines(widest: float, taper: float) -> int:
+    """Return the halo of inked lines: of the foot of the farthest pixel with ink, and of what is told of its ends."""
+    foot = math.ceil(widest + 0.5 + 1) + 1  # a crease is read a pixel beyond, between pixels
+    return foot + (stroke(0, taper) if taper > 0 else 0)
+
+
+def boil(amount: float) -> int:
+    """Return the halo of displaced lines, and of the mean of the flow."""
+    return max(boil_reach(amount), blur(BOIL_EASE)) if amount > 0 else 0
+
+
+def boil_reach(amount: float) -> int:
+    """Return how far away lines are read: the displacement, and the 4 x 4 pixels around a point."""
+    return math.ceil(amount) + 2
 
 
 def fbl(sigma_e: float, sigma_g: float, iterations: int, factor: int = 1) -> int:

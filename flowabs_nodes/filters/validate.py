@@ -42,13 +42,41 @@ def matte(name: str, value: npt.ArrayLike, shape: tuple[int, ...]) -> Array:
     return result
 
 
-def planes(name: str, value: npt.ArrayLike, *, check_finite: bool = True, summed: bool = False) -> Array:
-    """Return ``value`` as (H, W, 3) finite float32; ``check_finite`` as for :func:`plane`.
+def ids(name: str, value: npt.ArrayLike, shape: tuple[int, ...] | None = None) -> npt.NDArray[np.uint32]:
+    """Return ``value`` as (H, W) uint32, whole numbers from 0 to 4294967295; H and W those of ``shape`` if given."""
+    found = np.asarray(value)
+    if found.ndim != 2 or found.size == 0 or found.size >= 2**29:
+        raise ArgumentError(f"{name}: expected shape (H, W) with 1 to 2^29 pixels, found {found.shape}", parameter=name)
+    if shape is not None and found.shape != shape[:2]:
+        raise _other_size(name, found.shape, shape)
+    if found.dtype.kind not in "iub":
+        raise ArgumentError(
+            f"{name}: expected whole numbers, found dtype {found.dtype}", code="wrong-type", parameter=name
+        )
+    if found.dtype != np.uint32 and (found.min() < 0 or found.max() > 2**32 - 1):
+        raise ArgumentError(
+            f"{name}: expected ids from 0 to 4294967295, found {found.min()} to {found.max()}",
+            code="out-of-range",
+            parameter=name,
+        )
+    return np.ascontiguousarray(found, np.uint32)
+
+
+def planes(
+    name: str,
+    value: npt.ArrayLike,
+    shape: tuple[int, ...] | None = None,
+    *,
+    check_finite: bool = True,
+    summed: bool = False,
+) -> Array:
+    """Return ``value`` as (H, W, 3) finite float32; ``shape`` and ``check_finite`` as for :func:`plane`.
 
     ``summed`` is True for a filter whose sums would leave float32 if numbers were larger than 1.04e34
     (:data:`~flowabs_nodes.simd.finite.LARGEST`): such numbers are refused as well.
     """
-    return _array(name, value, "(H, W, 3)", lambda shape: len(shape) == 3 and shape[2] == 3, check_finite, summed)
+    array = _array(name, value, "(H, W, 3)", lambda found: len(found) == 3 and found[2] == 3, check_finite, summed)
+    return _fitting(name, array, shape)
 
 
 def plane_or_planes(name: str, value: npt.ArrayLike, *, summed: bool = False) -> Array:
@@ -73,11 +101,15 @@ def flow_field(value: npt.ArrayLike, shape: tuple[int, ...] | None = None, name:
 def _fitting(name: str, array: Array, shape: tuple[int, ...] | None) -> Array:
     """Return ``array`` if its height and width are those of ``shape``."""
     if shape is not None and array.shape[:2] != shape[:2]:
-        raise ArgumentError(
-            f"{name}: expected the size of the picture, {shape[1]}x{shape[0]}, found {array.shape[1]}x{array.shape[0]}",
-            parameter=name,
-        )
+        raise _other_size(name, array.shape, shape)
     return array
+
+
+def _other_size(name: str, found: tuple[int, ...], shape: tuple[int, ...]) -> ArgumentError:
+    """Return the error for an array that is not of the size of the picture."""
+    return ArgumentError(
+        f"{name}: expected the size of the picture, {shape[1]}x{shape[0]}, found {found[1]}x{found[0]}", parameter=name
+    )
 
 
 def number(

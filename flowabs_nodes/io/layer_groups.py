@@ -47,6 +47,11 @@ class Layer(NamedTuple):
         """What stands before the name of the pass: "Bg.01" of "Bg.01.Depth"."""
         return self.base.rpartition(".")[0]
 
+    @property
+    def is_one_thing(self) -> bool:
+        """Whether its channels are one number, or components of one vector or colour."""
+        return len(self.channels) == 1 or any(self.channels.keys() <= set(family) for family in _VECTORS)
+
     def vector(self, count: int) -> tuple[str, ...] | None:
         """Return the names of the first ``count`` components, X or R first; None where the layer has not so many."""
         for family in _VECTORS:
@@ -108,7 +113,8 @@ def called(specs: Sequence[oiio.ImageSpec], layers: Iterable[Layer], asked: str)
     """Return the layers that ``asked`` is a name of, by the first kind of name that any layer has.
 
     These are: the layer's whole name, the part's, either with a view behind it ("ViewLayer.Depth.right", also where the
-    view is the part's), the pass ("Depth", "Depth.right"), and the pass plainly, old names of Blender's included.
+    view is the part's), the pass ("Depth", "Depth.right"), the pass plainly, old names of Blender's included, and of
+    channels without a layer their letters ("RGB").
     """
     layers = list(layers)
     views = views_in(specs)
@@ -120,6 +126,7 @@ def called(specs: Sequence[oiio.ImageSpec], layers: Iterable[Layer], asked: str)
         or [each for each in of_view if base and each.base == base]
         or [each for each in of_view if base and each.base.rpartition(".")[2] == base]
         or [each for each in of_view if base and same_pass(each.base, base)]
+        or [each for each in layers if not each.name and "".join(each.channels) == asked]
     )
 
 

@@ -15,13 +15,15 @@ from flowabs_nodes.io.views import part_view, views_in
 class Selection(NamedTuple):
     """Channels to read from one part, in order: red, green, blue or one grey, then alpha if the layer has it.
 
-    ``note`` is for the log: why these channels, where nobody asked for them.
+    ``note`` is for the log: why these channels, where nobody asked for them. ``guessed`` is the name to ask for them
+    by, where it says nothing of what they are.
     """
 
     part: int
     layer: str
     channels: tuple[str, ...]
     note: str = ""
+    guessed: str = ""
 
     @property
     def grey(self) -> bool:

@@ -46,6 +46,14 @@ CRYPTOMATTE = Names(
     ("cryptoobject00", "cryptomatte00"),  # Blender, Arnold; V-Ray
     "R, G, B, A",
 )
+#: Found when somebody asks for the ids of the layer "material".
+MATERIAL = Names(
+    "materials",
+    # Blender, Arnold, Karma, each a Cryptomatte; Blender 5, 4.5; V-Ray; V-Ray for Maya
+    ("cryptomaterial00", "materialindex", "indexma", "mtlid", "materialid"),
+    "one channel of whole numbers, or a Cryptomatte",
+)
+ANY_MATERIAL = "material"
 #: Found when somebody asks for the ids of the layer "cryptomatte", whose real name a renderer makes up.
 ANY_CRYPTOMATTE = "cryptomatte"
 #: Found when somebody asks for the layer "albedo".

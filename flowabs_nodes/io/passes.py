@@ -30,6 +30,23 @@ def find_usual(specs: Sequence[oiio.ImageSpec], layers: Iterable[Layer], names: 
     return None
 
 
+def find_only(layers: Iterable[Layer], pick: Pick) -> Selection | None:
+    """Return the channels of the one layer that a file consists of: a pass that has a file of its own; else None.
+
+    Its channels have no layer's name in front: what is called something is what it is called.
+    """
+    layers = list(layers)
+    everything = {(each.part, name) for each in layers for name in each.channels.values()}
+    if any("." in name for _, name in everything):
+        return None
+    for layer in layers:
+        channels = pick(layer) if layer.is_one_thing else None
+        if channels and everything == {(layer.part, name) for name in layer.channels.values()}:
+            said = f"the file's only layer, {', '.join(channels)}, is read"
+            return Selection(layer.part, layer.name, channels, said, guessed="".join(layer.channels) or layer.name)
+    return None
+
+
 def find_named(
     specs: Sequence[oiio.ImageSpec], layers: Iterable[Layer], layer: str, names: Names, pick: Pick
 ) -> Selection:

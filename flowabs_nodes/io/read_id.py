@@ -15,7 +15,7 @@ from flowabs_nodes.io import cryptomatte, passes
 from flowabs_nodes.io.image_file import PictureFile
 from flowabs_nodes.io.layer_groups import Layer, inside_of, of_default_view, within
 from flowabs_nodes.io.layers import Selection
-from flowabs_nodes.io.pass_names import ANY_CRYPTOMATTE, CRYPTOMATTE, ID, plain_name
+from flowabs_nodes.io.pass_names import ANY_CRYPTOMATTE, ANY_MATERIAL, CRYPTOMATTE, ID, MATERIAL, plain_name
 from flowabs_nodes.io.read import Say, quiet
 from flowabs_nodes.io.read_passes import grey, image_of, opened, say_which
 from flowabs_nodes.io.settings import Settings
@@ -36,10 +36,10 @@ def read_id(
 
     ``layer`` "" takes the Cryptomatte of objects, else a channel of whole numbers, by the usual names
     (:data:`flowabs_nodes.io.pass_names.CRYPTOMATTE` and ``ID``), else the file's only Cryptomatte; "cryptomatte",
-    "Fg.cryptomatte" take no id pass. Of a Cryptomatte the id that covers most of a pixel is taken, 0 where the
-    background does; its manifest goes along as metadata. Whole numbers may be stored as uint, float or half; their
-    coverage is 1, and -1 becomes 4294967295. Raises ReadError as :func:`read_depth`, and where a channel's numbers are
-    not whole.
+    "Fg.cryptomatte" take no id pass, "material", "Fg.material" take materials, from either. Of a Cryptomatte the id
+    that covers most of a pixel is taken, 0 where the background does; its manifest goes along as metadata. Whole
+    numbers may be stored as uint, float or half; their coverage is 1, and -1 becomes 4294967295. Raises ReadError as
+    :func:`read_depth`, and where a channel's numbers are not whole.
     """
     with opened(path, settings, part) as (file, layers):
         known = cryptomatte.declared(file.specs)
@@ -49,7 +49,8 @@ def read_id(
             ids, coverage = cryptomatte.majority(file, layers, chosen)
         else:
             planes = file.read_native(chosen.part, chosen.channels)
-            ids = _whole(grey(np.stack([planes[name] for name in chosen.channels], axis=2), chosen))[..., 0]
+            numbers = grey(np.stack([planes[name] for name in chosen.channels], axis=2), chosen)
+            ids = _whole(numbers, "no-layer" if chosen.guessed else "wrong-layer")[..., 0]
             coverage = np.ones(ids.shape, np.float32)
         name = cryptomatte.base_name(split_view(chosen.layer, views_in(file.specs))[0])
         manifest = known.get(name, {}) if len(chosen.channels) == 4 else {}
@@ -70,17 +71,32 @@ def _id_layer(file: PictureFile, layers: Sequence[Layer], layer: str, known: dic
         if any(wanted in (base, base.rpartition(".")[2]) for base in bases):
             first = f"{wanted}00" + (f".{view}" if view else "")
             return passes.find_named(file.specs, levels, first, CRYPTOMATTE, cryptomatte.first_level)
+        where = ".".join(filter(None, (base.rpartition(".")[0], view)))
         if plain_name(base) == ANY_CRYPTOMATTE:
-            where = ".".join(filter(None, (base.rpartition(".")[0], view)))
             if found := _cryptomatte(file, within(file.specs, levels, where) if where else levels):
                 return found
+        elif plain_name(base) == ANY_MATERIAL:
+            return _material(file, within(file.specs, layers, where) if where else layers, levels)
         inside = inside_of(file.specs, layers, layer, Layer.single)
         found = _usual(file, inside, [each for each in levels if each in inside])
         return found or passes.find_named(file.specs, layers, layer, ID, Layer.single)
-    found = _usual(file, layers, levels)
+    found = _usual(file, layers, levels) or passes.find_only(layers, Layer.single)
     if found is None:
         usual = (*CRYPTOMATTE.usual, *ID.usual)
         raise passes.missing(file.specs, layers, ID._replace(usual=usual))
+    return found
+
+
+def _material(file: PictureFile, layers: Sequence[Layer], levels: Sequence[Layer]) -> Selection:
+    """Return the Cryptomatte of materials, else a pass of whole numbers. Raises ReadError where there is neither."""
+    inside = [each for each in levels if each in layers]
+    found = (
+        passes.find_usual(file.specs, inside, MATERIAL, cryptomatte.first_level)
+        or passes.find_usual(file.specs, layers, MATERIAL, Layer.single)
+        or passes.find_only(layers, Layer.single)
+    )
+    if found is None:
+        raise passes.missing(file.specs, layers, MATERIAL)
     return found
 
 
@@ -101,8 +117,11 @@ def _cryptomatte(file: PictureFile, levels: Sequence[Layer]) -> Selection | None
     )
 
 
-def _whole(numbers: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """Return ids, uint32, of numbers of any type; -1 becomes 4294967295. Raises ReadError where some are not whole."""
+def _whole(numbers: npt.NDArray[Any], code: str) -> npt.NDArray[Any]:
+    """Return ids, uint32, of numbers of any type, which are whole; -1 becomes 4294967295.
+
+    Raises ReadError, with ``code``, where some are not.
+    """
     if numbers.dtype.kind == "f":
         numbers = numbers.astype(np.float64)
     with np.errstate(invalid="ignore"):
@@ -110,7 +129,7 @@ def _whole(numbers: npt.NDArray[Any]) -> npt.NDArray[Any]:
         if wrong:
             raise ReadError(
                 f"{wrong} of the numbers are no ids: whole, and at most 4294967295",
-                code="wrong-layer",
+                code=code,
                 hint="read_aov reads any numbers",
                 parameter="layer",
             )

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from flowabs_nodes.array_types import Array
+from flowabs_nodes.errors import ReadError
 from flowabs_nodes.image import Image
 from flowabs_nodes.io import passes
 from flowabs_nodes.io.image_file import PictureFile
@@ -57,7 +58,15 @@ def read_motion(
         found: dict[str, Array] = {}
         for way, chosen in ways.items():
             say_which(chosen, layer, note, f", as {way}")
-            found[way] = _moving(file.read(chosen.part, chosen.channels), is_half(file, chosen), note)
+            pixels = file.read(chosen.part, chosen.channels)
+            if chosen.guessed and pixels.any() and not (pixels < 0).any():
+                raise ReadError(
+                    "the file's only layer holds no motion: nothing moves left or down",
+                    code="no-layer",
+                    hint=f"layer: {chosen.guessed!r}, if this is motion",
+                    parameter="layer",
+                )
+            found[way] = _moving(pixels, is_half(file, chosen), note)
         if "blender" in found:
             pixels = found["blender"]
         else:
@@ -97,6 +106,8 @@ def _ways(file: PictureFile, layers: Sequence[Layer], layer: str, convention: st
         chosen = passes.find_named(file.specs, layers, layer, MOTION, pick)
         return {way(chosen): chosen}
     ways = usual(layers)
+    if not ways and (only := passes.find_only(layers, pick)):
+        ways = {way(only): only}
     if not ways:
         names = (*MOTION.usual, *MOTION_FORWARD.usual, *MOTION_BACKWARD.usual)
         raise passes.missing(file.specs, layers, MOTION._replace(usual=names))

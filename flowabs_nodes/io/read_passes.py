@@ -20,7 +20,7 @@ from flowabs_nodes.io.layers import Selection
 from flowabs_nodes.io.pass_names import DEPTH, NORMAL, Names
 from flowabs_nodes.io.read import Say, quiet, selected_spec
 from flowabs_nodes.io.settings import Settings, checked
-from flowabs_nodes.port_types import FAR, TYPES
+from flowabs_nodes.port_types import FAR, TYPES, PortType
 
 #: The largest half: what any larger number may have become in a file.
 HALF_MAX = 65504.0
@@ -73,6 +73,8 @@ def read_normal(
     with opened(path, settings, part) as (file, layers):
         chosen = chosen_layer(file, layers, layer, NORMAL, lambda each: each.vector(3), note)
         pixels = file.read(chosen.part, chosen.channels)
+        if chosen.guessed:
+            _check_lengths(pixels, chosen)
         whole = np.isfinite(pixels).all(axis=2, keepdims=True)
         broken = pixels.shape[0] * pixels.shape[1] - np.count_nonzero(whole)
         if broken:
@@ -81,7 +83,37 @@ def read_normal(
         return image_of(file, chosen, "normal", pixels)
 
 
+def _check_lengths(pixels: npt.NDArray[Any], chosen: Selection) -> None:
+    """Raise ReadError where most vectors are not of length 1: they are a picture, or normals stored as 0 to 1."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        lengths = np.linalg.norm(pixels, axis=2)
+    lengths = lengths[np.isfinite(lengths) & (lengths > 0)]
+    share = (np.abs(lengths - 1) < 0.05).mean() if lengths.size else 1
+    if share < 0.5:
+        raise ReadError(
+            f"the file's only layer holds no normals: {share:.0%} of its vectors have the length 1",
+            code="no-layer",
+            hint=f"layer: {chosen.guessed!r}, if these are normals",
+            parameter="layer",
+        )
+
+
 # ---------------------------------------------------------------------- for all passes
+
+
+def read_nothing(
+    path: str | os.PathLike[str], type: PortType, *, part: str | int = "", settings: Settings | None = None
+) -> Image:
+    """Return a pass of the size of a file's first part that shows nothing: 0, background depth.
+
+    It stands for a pass that the file does not have. Raises ReadError as :func:`read_depth`.
+    """
+    with opened(path, settings, part) as (file, layers):
+        spec = file.specs[layers[0].part]
+        first = Selection(layers[0].part, "", (spec.channelnames[0],))
+        channels = len(TYPES[type].typical_channels)
+        value = FAR if type == "depth" else 0
+        return image_of(file, first, type, np.full((spec.height, spec.width, channels), value, TYPES[type].dtype))
 
 
 @contextmanager
@@ -102,24 +134,27 @@ def opened(
 def chosen_layer(
     file: PictureFile, layers: Sequence[Layer], layer: str, names: Names, pick: Pick, note: Say
 ) -> Selection:
-    """Return the channels of the layer that is asked for, or of the one with a usual name. Raises ReadError."""
+    """Return the channels of the layer that is asked for, of the one with a usual name, or of a file's only one.
+
+    Raises ReadError.
+    """
     if layer:
         chosen = passes.find_named(file.specs, layers, layer, names, pick)
     else:
-        usual = passes.find_usual(file.specs, layers, names, pick)
-        if usual is None:
+        found = passes.find_usual(file.specs, layers, names, pick) or passes.find_only(layers, pick)
+        if found is None:
             raise passes.missing(file.specs, layers, names)
-        chosen = usual
+        chosen = found
     say_which(chosen, layer, note)
     return chosen
 
 
 def say_which(chosen: Selection, asked: str, note: Say, how: str = "") -> None:
     """Tell ``note`` which layer is read where it is not the one asked for, and which view of a stereo file."""
-    if chosen.layer != asked:
+    if chosen.layer not in ("", asked) and not chosen.guessed:
         note(f"layer {chosen.layer!r} is read{how}")
     if chosen.note:
-        note(chosen.note)
+        note(f"{chosen.note}{how if chosen.guessed else ''}")
 
 
 def is_half(file: PictureFile, chosen: Selection) -> bool:
@@ -132,9 +167,9 @@ def grey(pixels: npt.NDArray[Any], chosen: Selection) -> npt.NDArray[Any]:
     """Return the first channel, (H, W, 1). Raises ReadError where others are not the same: then it is a colour."""
     if not (pixels[..., 1:] == pixels[..., :1]).all():
         names = ", ".join(chosen.channels)
-        raise ReadError(
-            f"layer {chosen.layer!r} is no single number: {names} differ", code="wrong-layer", parameter="layer"
-        )
+        what = "the file's only layer" if chosen.guessed else f"layer {chosen.layer!r}"
+        code = "no-layer" if chosen.guessed else "wrong-layer"
+        raise ReadError(f"{what} is no single number: {names} differ", code=code, parameter="layer")
     return pixels[..., :1]
 
 

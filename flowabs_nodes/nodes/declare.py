@@ -127,12 +127,19 @@ class Node:
 
     ``needs(params)`` returns the names of the inputs that the node needs with these parameters. All others are neither
     computed nor read, and no part of the key; ``run`` gets None for them. Without it every connected input is needed.
+    ``mask`` needs no word.
+
+    ``one_of`` names optional inputs of which at least one must be connected: ``flowabs check`` and a call say so.
 
     ``frames(params)`` returns, for each input that the node reads on other frames too, their offsets from its own
     frame, such as ``{"image": (-2, -1, 0, 1, 2)}``: different whole numbers from -64 to 64, 0 among them
     (:mod:`~flowabs_nodes.nodes.frame_offsets`). ``run`` gets such an input as a dict from offset to Image, in order,
     all of one type and on one data window. 0 is always there; a frame beyond the ends of the sequence, or one that
     ``missing: skip`` leaves out, is not.
+
+    ``moment(params, frame)`` returns what the result owes to the number of its frame, beside these parameters and the
+    inputs: plain data, which is a part of the key, such as ``frame // hold`` for what changes every few frames; None
+    where it owes nothing. A node without it must give the same on every frame. Lengths are not scaled yet.
 
     ``region`` returns, for a window of the outputs, the window of each input that it is made from; an input that is
     left out is needed whole, and all are where a node has no ``region``. The parameters are those that ``run`` gets:
@@ -165,9 +172,11 @@ class Node:
     converts: bool = False
     needs: Callable[[Mapping[str, Any]], Collection[str]] | None = field(default=None, hash=False)
     frames: Callable[[Mapping[str, Any]], Mapping[str, tuple[int, ...]]] | None = field(default=None, hash=False)
+    moment: Callable[[Mapping[str, Any], int], Any] | None = field(default=None, hash=False)
     region: Callable[[Mapping[str, Any], Window], Mapping[str, Window]] | None = field(default=None, hash=False)
     packages: Mapping[str, str] = field(default_factory=dict, hash=False)
     upgrades: Mapping[int, Callable[[dict[str, Any]], dict[str, Any]]] = field(default_factory=dict, hash=False)
+    one_of: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         names = [port.name for port in self.inputs] + [param.name for param in self.params]
@@ -278,7 +287,7 @@ class Node:
                     code="missing-input",
                     hint=f"connected: {', '.join(connected) or 'none'}",
                 )
-        return tuple(name for name in connected if name in asked or self.input(name) is None)
+        return tuple(name for name in connected if name in (*asked, MASK.name) or self.input(name) is None)
 
     def defaults(self) -> dict[str, Any]:
         """Return the default of every parameter that has one, by name."""

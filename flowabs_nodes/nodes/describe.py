@@ -82,10 +82,17 @@ def _markdown_row(param: Param) -> str:
 def inputs(node: Node) -> list[tuple[str, str, str]]:
     """Return name, type and help of each input."""
     ports = node.all_inputs.values()
-    rows = [(port.name, _types(port) + (", optional" if port.optional else ""), port.help) for port in ports]
+    rows = [(port.name, _types(port) + _optional(node, port), port.help) for port in ports]
     if node.extra_inputs:
         rows.append(("(any name)", f"{_types(node.extra_inputs)}, optional", node.extra_inputs.help))
     return rows
+
+
+def _optional(node: Node, port: Port) -> str:
+    """Return what to say behind the types of an input that need not be connected."""
+    if port.name in node.one_of:
+        return f", one of {', '.join(node.one_of)} is needed"
+    return ", optional" if port.optional else ""
 
 
 def outputs(node: Node) -> list[tuple[str, str, str]]:

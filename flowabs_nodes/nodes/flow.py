@@ -37,6 +37,8 @@ def run_etf(
     context: Context,
     image: Image,
     mask: Image | None,
+    edge_strength: Image | None,
+    edge_flow: Image | None,
     *,
     gradient_reference: str | float,
     color: bool,
@@ -50,7 +52,11 @@ def run_etf(
 
     code = image.encoded(space, ground=ground) if color else image.encoded_mono(space, ground=ground)
     counts = None if mask is None else np.clip(mask.pixels[..., 0], 0, 1)
-    flow, reference = etf_and_reference(code, gradient_reference=gradient_reference, mask=counts, **etf)
+    edges: dict[str, Any] = {
+        "edge_strength": None if edge_strength is None else edge_strength.pixels[..., 0],
+        "edge_flow": None if edge_flow is None else edge_flow.pixels,
+    }
+    flow, reference = etf_and_reference(code, gradient_reference=gradient_reference, mask=counts, **edges, **etf)
     if isinstance(gradient_reference, str):
         context.note(f"gradient reference {gradient_reference} = {reference:.4g} code values/px")
     return image.with_pixels(flow, "flow")
@@ -73,7 +79,8 @@ ETF = Node(
     doc=(
         "Section 2 of the paper, eqs. 1-5. Each tangent becomes the mean of those around it, weighted towards strong "
         "gradients and similar directions, so that weak edges turn to follow the strong ones beside them. All other "
-        "flow-based nodes follow what this one makes."
+        "flow-based nodes follow what this one makes. Edges that a render's passes know (aov_lines) may be connected "
+        "too: each counts as a gradient, so that the flow follows silhouettes that light and colour do not show."
     ),
     inputs=(
         Port("image", "color", "The picture whose edges to follow."),
@@ -84,6 +91,10 @@ ETF = Node(
             optional=True,
             cut=True,
         ),
+        Port(
+            "edge_strength", "mono", "Edges that passes know: how sure one is, 0 to 1. Needs edge_flow.", optional=True
+        ),
+        Port("edge_flow", "flow", "The flow along these edges. Needs edge_strength.", optional=True),
     ),
     outputs=(Port("flow", "flow", "Unit tangents, x right, y down; their sign has no meaning."),),
     params=(
@@ -167,12 +178,23 @@ ETF = Node(
             group="Gradient",
             help="Follow edges of lightness and colour together; false is lightness alone (the paper).",
         ),
+        Param.float(
+            "edge_weight",
+            60.0,
+            min=0,
+            max=1e6,
+            soft=(0, 120),
+            unit="code values/px",
+            later=True,
+            group="Gradient",
+            help="Gradient that an edge of full strength in edge_strength counts as, beside the picture's own.",
+        ),
         WORKING_SCALE,
         GROUND,
         SPACE,
     ),
     run=run_etf,
-    region=within(_etf_halo, "image", "mask"),
+    region=within(_etf_halo, "image", "mask", "edge_strength", "edge_flow"),
 )
 
 

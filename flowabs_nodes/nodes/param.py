@@ -97,6 +97,7 @@ class Param:
         nullable: Flag = False,
         thin_below: Number | None = None,
         floor: Number | None = None,
+        later: Flag = False,
         help: str,
         **panel: Unpack[Panel],
     ) -> Param:
@@ -115,6 +116,7 @@ class Param:
             scales=1 if unit == "px" else -1 if unit.endswith("/px") else 0,
             thin_below=thin_below,
             floor=floor,
+            later=later,
             **panel,
         )
 
@@ -144,6 +146,7 @@ class Param:
         default: str,
         choices: tuple[str, ...],
         *,
+        later: Flag = False,
         help: str,
         in_key: Flag = True,
         **panel: Unpack[Panel],
@@ -152,7 +155,7 @@ class Param:
 
         ``choices`` may be a :class:`~flowabs_nodes.choices.Choices`, which also holds their labels and meanings.
         """
-        return Param(name, "enum", default, help, choices=choices, in_key=in_key, **panel)
+        return Param(name, "enum", default, help, choices=choices, in_key=in_key, later=later, **panel)
 
     @staticmethod
     def string(

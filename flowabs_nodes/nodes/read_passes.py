@@ -4,21 +4,41 @@ from __future__ import annotations
 
 from typing import Any
 
-from flowabs_nodes.choices import MOTION_CONVENTIONS
+import numpy as np
+
+from flowabs_nodes.choices import ABSENT, MOTION_CONVENTIONS
+from flowabs_nodes.errors import ReadError
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
 from flowabs_nodes.nodes.read import MISSING_PARAM, layer_param, part_param
 
 #: What the nodes of this file have in common.
-FILE = Param.file("file", role="input", pictures=True, help="File or sequence: render.exr, render.####.exr.")
+ABSENT_PARAM = Param.enum(
+    "absent",
+    "error",
+    ABSENT,
+    label="Where there is no such pass",
+    help="What is read in place of a pass that the file does not have.",
+    later=True,
+)
+FILE = Param.file(
+    "file", role="input", pictures=True, help='File or sequence: render.####.exr. "" is the plate\'s own file.'
+)
 LAYER = layer_param('Layer ("ViewLayer.Depth", "Depth"), view layer, eye, channel or part: "" finds its usual name.')
 PART = part_param('Part of a multi-part EXR, by name or number: "" looks through all.')
 _COMPARED = (
     "Names are compared without the view layer in front, without VRay, case, spaces and underscores. Where several "
     "layers could be meant, or none, the error lists what the file has. A view layer's name (Fg), an eye's (right) or "
     "both (Fg.right) mean the pass in there, as they mean the picture for `read`; of a stereo file the first eye is "
-    "read."
+    "read. A pass in a file of its own may be called anything, R, G, B too: the only layer of a file is taken."
 )
+
+
+def _pass_over(error: ReadError, absent: str, context: Context) -> None:
+    """Tell that a pass is not in the file. Raises ``error`` where it says something else, or it must be there."""
+    if absent == "error" or error.code != "no-layer":
+        raise error
+    context.warn(f"nothing is read: {error.message.partition('; it has')[0]}")
 
 
 def run_read_depth(context: Context, *, file: str, missing: str = "error", **where: Any) -> Image:
@@ -45,10 +65,16 @@ READ_DEPTH = Node(
 )
 
 
-def run_read_normal(context: Context, *, file: str, missing: str = "error", **where: Any) -> Image:
-    from flowabs_nodes.io.read_passes import read_normal
+def run_read_normal(
+    context: Context, *, file: str, missing: str = "error", absent: str = "error", **where: Any
+) -> Image:
+    from flowabs_nodes.io.read_passes import read_normal, read_nothing
 
-    return read_normal(file, settings=context.services, note=context.note, warn=context.warn, **where)
+    try:
+        return read_normal(file, settings=context.services, note=context.note, warn=context.warn, **where)
+    except ReadError as error:
+        _pass_over(error, absent, context)
+        return read_nothing(file, "normal", settings=context.services)
 
 
 READ_NORMAL = Node(
@@ -59,7 +85,7 @@ READ_NORMAL = Node(
     help="The normal pass of a render, in the renderer's own space.",
     inputs=(),
     outputs=(Port("normal", "normal", "X, Y, Z as they are in the file; 0, 0, 0 where there is no surface."),),
-    params=(FILE, LAYER, PART, MISSING_PARAM),
+    params=(FILE, LAYER, PART, MISSING_PARAM, ABSENT_PARAM),
     run=run_read_normal,
     doc=f"Usual names: Normal (Blender), N (Arnold, Karma), Nn (RenderMan), normals (V-Ray). {_COMPARED}",
 )
@@ -107,10 +133,18 @@ READ_MOTION = Node(
 )
 
 
-def run_read_id(context: Context, *, file: str, missing: str = "error", **where: Any) -> dict[str, Image]:
+def run_read_id(
+    context: Context, *, file: str, missing: str = "error", absent: str = "error", **where: Any
+) -> dict[str, Image]:
     from flowabs_nodes.io.read_id import read_id
+    from flowabs_nodes.io.read_passes import read_nothing
 
-    ids, coverage = read_id(file, settings=context.services, note=context.note, warn=context.warn, **where)
+    try:
+        ids, coverage = read_id(file, settings=context.services, note=context.note, warn=context.warn, **where)
+    except ReadError as error:
+        _pass_over(error, absent, context)
+        ids = read_nothing(file, "id", settings=context.services)
+        coverage = ids.with_pixels(np.ones(ids.pixels.shape[:2], np.float32), "mono")
     return {"id": ids, "coverage": coverage}
 
 
@@ -125,13 +159,14 @@ READ_ID = Node(
         Port("id", "id", "The id that covers most of the pixel; 0 is the background."),
         Port("coverage", "mono", "The part of the pixel that this id covers, 0 to 1; 1 for an id pass."),
     ),
-    params=(FILE, LAYER, PART, MISSING_PARAM),
+    params=(FILE, LAYER, PART, MISSING_PARAM, ABSENT_PARAM),
     run=run_read_id,
     doc=(
         "Usual names, the first that is there: CryptoObject (Blender), crypto_object (Arnold), Cryptomatte (V-Ray); ID "
         "(Arnold), id (RenderMan), Object Index (Blender; before 5.0 IndexOB), Object ID, Render ID (V-Ray), primid "
         "(Karma); Material Index or IndexMA (Blender), MtlID (V-Ray); else the file's only Cryptomatte. The layer "
-        "cryptomatte, or Fg.cryptomatte, is a Cryptomatte under whatever name. "
+        "cryptomatte, or Fg.cryptomatte, is a Cryptomatte under whatever name; the layer material, or Fg.material, is "
+        "CryptoMaterial (Blender), crypto_material (Arnold), or else Material Index, IndexMA, MtlID or Material ID. "
         f"{_COMPARED} In a Cryptomatte the background wins a pixel of which all ids together leave more than the first "
         "has, and the manifest goes along as metadata. An id pass may be stored as uint, float or half."
     ),

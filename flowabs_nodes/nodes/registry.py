@@ -25,10 +25,12 @@ GROUP = "flowabs.nodes"
 #: The order in which people read about the nodes of the package. A node that is not named here follows by its file.
 READING_ORDER = (
     *("read", "read_aov", "read_depth", "read_normal", "read_motion", "read_id", "write"),
-    *("matte", "exposure", "shoulder"),
+    *("matte", "id_matte", "exposure", "shoulder"),
     *("etf", "lic", "flow_color", "flow_blur"),
     *("dog", "fdog", "fdog_iterative", "stroke", "canny"),
+    *("aov_lines", "ink_lines", "join_lines", "boil"),
     *("fbl", "rolling_guidance", "bilateral", "bilateral_oriented", "mean_shift", "quantize"),
+    *("optical_flow", "motion_window"),
     *("composite", "merge", "switch", "blur", "grade", "invert", "colorspace"),
     *("shuffle", "constant", "crop", "reformat"),
 )

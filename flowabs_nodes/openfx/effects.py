@@ -45,6 +45,9 @@ MOST_EFFECTS = 256
 #: The clips that every effect has; no other may be called so.
 _CLIPS = ("Source", "Output", "Mask")
 
+#: Said of a graph that looks at other frames: OpenFX gives the server those of the frame at hand.
+ALONE = "It steadies its lines by the frames before and after. A host does not give those: flowabs run reads them."
+
 _TYPES = {"float": "double", "int": "int", "enum": "choice", "bool": "boolean", "color": "rgb", "string": "string"}
 
 
@@ -97,7 +100,7 @@ def effect(identifier: str, source: str) -> dict[str, Any]:
         "identifier": identifier,
         "label": f"Flowabs {readable(Path(source).stem)}",
         "grouping": "Flowabs",
-        "description": told["description"],
+        "description": f"{told['description']} {ALONE}" if _sees_other_frames(graph) else told["description"],
         "graph": source,
         "plate": _given(graph, inputs[0]),
         "clips": _clips(graph, inputs[1:]),
@@ -138,6 +141,10 @@ def _output_labels(graph: Graph) -> dict[str, str]:
             first = next(iter(graph.nodes[link.node].declaration.all_outputs))
             labels[link.node if link.output == first else str(link)] = readable(name)
     return labels
+
+
+def _sees_other_frames(graph: Graph) -> bool:
+    return any(node.declaration.frames is not None for node in graph.nodes.values())
 
 
 def _varies(graph: Graph) -> bool:

@@ -15,16 +15,22 @@ from typing import Any
 from flowabs_nodes.engine.job_builder import as_list, build_job
 from flowabs_nodes.engine.ocio_choice import choose_config
 from flowabs_nodes.engine.options import RunOptions
+from flowabs_nodes.engine.render_frames import NEIGHBOURS
 from flowabs_nodes.engine.runnable import load_graph
+from flowabs_nodes.engine.unit_params import reads_other_frames
 from flowabs_nodes.errors import CommandError
 from flowabs_nodes.submit.openjd_frames import to_openjd
 
+#: How many frames a task has unless it is told.
+CHUNK = 10
 #: The most characters of a job's name, and of the default of one of its parameters.
 _LONGEST_NAME, _LONGEST_TEXT = 64, 1024
 
 
-def job_template(graph: str, options: RunOptions, *, chunk: int = 10) -> dict[str, Any]:
+def job_template(graph: str, options: RunOptions, *, chunk: int | None = None) -> dict[str, Any]:
     """Return the template of a job that runs ``graph``, a file or a shipped graph's name, ``chunk`` frames a task.
+
+    Without a ``chunk`` it is 10; 24 where nodes read other frames, since each task computes those around its own again.
 
     ``options`` are what they are for a run; without ``frames`` the job gets those that are on disk now. The job's
     parameters are Graph, Input and Output (where these are files), Folder, Frames and ChunkSize. A file below the
@@ -43,6 +49,8 @@ def job_template(graph: str, options: RunOptions, *, chunk: int = 10) -> dict[st
     if options.set:
         loaded = loaded.with_set(options.set)
     _, numbers = build_job(loaded, choose_config(options)[0], touch=False)
+    if chunk is None:
+        chunk = NEIGHBOURS if reads_other_frames(loaded) else CHUNK
     words, files = ["openjd-task", "--folder={{Param.Folder}}"], []
 
     def refer(name: str, path: str, flow: str) -> str:

@@ -6,6 +6,7 @@ import os
 import tempfile
 from collections.abc import Mapping
 from functools import partial
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -21,8 +22,12 @@ from flowabs_nodes.nodes.declare import MASK, Context, Node
 from flowabs_nodes.nodes.param import Param
 from flowabs_nodes.port_types import pixel_type
 from flowabs_nodes.simd import bands
+from flowabs_nodes.testing.parameters import alternatives
 from flowabs_nodes.testing.pictures import SCENES, make_input
 from flowabs_nodes.testing.running import ComplianceError, equal, finite, inputs_of, require, run_node
+
+#: Frames that a node without windows of time is run on: neighbours, and such as are far away.
+_FRAMES = (1, 2, 3, 6, 1001)
 
 
 def is_documented(node: Node) -> None:
@@ -141,6 +146,25 @@ def gives_the_same_again(node: Node) -> None:
         for name, image in together.items():
             alone = run_node(node, inputs_of(node, scene), wanted=name)
             require(equal(alone[name], image), f"{scene}: output {name!r} differs when it is asked for alone")
+
+
+def owes_to_the_frame_what_it_says(node: Node) -> None:
+    """Check that results on two frames differ only where ``moment`` does, and with it where ``moment`` differs at all.
+
+    The inputs are the same on all frames. Beside the defaults each other value of a parameter is tried.
+    """
+    several = [{param.name: value} for param in node.params for value in alternatives(param)] if node.moment else []
+    differs, says = False, False
+    for settings in ({}, *several):
+        values, inputs = node.defaults() | settings, inputs_of(node, "shapes")
+        moments = [None if node.moment is None else node.moment(values, frame) for frame in _FRAMES]
+        results = [run_node(node, inputs, settings, frame=frame) for frame in _FRAMES]
+        for i, j in combinations(range(len(_FRAMES)), 2):
+            same = all(equal(results[i][name], results[j][name]) for name in results[i])
+            frames = f"frames {_FRAMES[i]} and {_FRAMES[j]}"
+            require(same or moments[i] != moments[j], f"{frames} differ beside {settings}, but not in their moment")
+            differs, says = differs or not same, says or moments[i] != moments[j]
+    require(differs == says, "frames differ in their moment, but not in any picture")
 
 
 def same_on_any_number_of_threads(node: Node) -> None:

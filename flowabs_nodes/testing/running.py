@@ -26,13 +26,14 @@ def require(holds: bool, otherwise: str) -> None:
 
 
 def run_node(
-    node: Node, inputs: Mapping[str, Image], params: Mapping[str, Any] | None = None, wanted: str = ""
+    node: Node, inputs: Mapping[str, Image], params: Mapping[str, Any] | None = None, wanted: str = "", frame: int = 6
 ) -> dict[str, Image]:
     """Return the node's outputs, all or the one wanted, decoded, with defaults for what ``params`` leaves out.
 
-    Of an input that the node reads on several frames, the other frames are made from its image (:func:`on_frame`).
+    ``frame`` is one on which what changes every few frames has changed, however many these are by default. Of an input
+    that the node reads on several frames, the other frames are made from its image (:func:`on_frame`).
     """
-    context = Context(node=node.type, wanted=frozenset({wanted} if wanted else ()))
+    context = Context(frame=frame, node=node.type, wanted=frozenset({wanted} if wanted else ()))
     with error_boundary(node.type):
         offsets = frame_offsets(node, node.defaults() | dict(params or {}))
     windows = {
@@ -43,11 +44,14 @@ def run_node(
 
 
 def inputs_of(node: Node, scene: str, height: int = 20, width: int = 24, optional: bool = True) -> dict[str, Image]:
-    """Make an image for each declared input but the mask, each of the first type its port takes."""
+    """Make an image for each declared input but the mask, each of the first type its port takes.
+
+    Without the ``optional`` ones there is still the first of those of which a node needs one.
+    """
     return {
         port.name: make_input(port.accepts[0], scene, height, width)
         for port in node.inputs
-        if optional or not port.optional
+        if optional or not port.optional or port.name in node.one_of[:1]
     }
 
 

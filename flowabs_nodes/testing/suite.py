@@ -42,6 +42,7 @@ def compliance_checks(node: Node) -> list[Check]:
             "leaves_inputs_alone": partial(checks.leaves_inputs_alone, node),
             "survives_nan_and_inf": partial(checks.survives_nan_and_inf, node),
             "gives_the_same_again": partial(checks.gives_the_same_again, node),
+            "owes_to_the_frame_what_it_says": partial(checks.owes_to_the_frame_what_it_says, node),
             "gives_the_same_bits_on_any_number_of_threads": partial(checks.same_on_any_number_of_threads, node),
         }
         if node.region is not None:

@@ -204,3 +204,23 @@ def test_the_thread_keeps_quiet_about_a_graph_that_is_wrong(tmp_path, capfd):
             if thread.name == "flowabs-ahead":
                 thread.join(60)
     assert capfd.readouterr() == ("", "")
+
+
+def test_a_node_that_reads_other_frames_gets_some(tmp_path, monkeypatch):
+    from flowabs_nodes.filters.motion import window
+
+    given, plain = [], window.motion_window
+    monkeypatch.setattr(
+        window, "motion_window", lambda images, *more, **how: given.append(set(images)) or plain(images, *more, **how)
+    )
+    inputs = {"image": "plate", "motion": "motion"}
+    nodes = {
+        "plate": {"type": "read@1"},
+        "motion": {"type": "read_motion@1"},
+        "steady": {"type": "motion_window@1", "inputs": inputs},
+        "out": {"type": "write@1", "inputs": {"image": "steady"}},
+    }
+    file = tmp_path / "steady.json"
+    file.write_text(json.dumps({"format": "flowabs.graph/1", "name": "steady", "nodes": nodes}))
+    precompile.run_small(str(file), {})
+    assert given == [{-1, 0, 1}]

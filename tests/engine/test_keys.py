@@ -117,6 +117,18 @@ def test_a_change_upstream_changes_every_key_downstream_and_no_other():
     assert {unit.node for unit in before if before[unit] != other[unit]} == {"middle", "end"}
 
 
+def test_the_frame_counts_as_far_as_a_node_says():
+    twos = dataclasses.replace(ADD, moment=lambda params, frame: None if params["amount"] == 0 else (frame - 1) // 2)
+
+    def keys(declaration, **params):
+        return [node_key(declaration, params, {"image": "x"}, frame=frame) for frame in (1, 2, 3)]
+
+    first, second, third = keys(twos)
+    assert first == second != third
+    assert keys(twos, amount=0.0) == keys(ADD, amount=0.0)
+    assert len(set(keys(ADD))) == 1
+
+
 def window_key(keys):
     """Return the key of a mean over a window of results with ``keys``, by frame."""
     a_graph = graph(node("start", ADD), node("mean", MEAN, {"image": "start"}, radius=1))

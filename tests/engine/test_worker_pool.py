@@ -12,7 +12,7 @@ from flowabs_nodes.engine.job_builder import build_job
 from flowabs_nodes.engine.options import RunOptions
 from flowabs_nodes.engine.run_events import RunEvents
 from flowabs_nodes.engine.runnable import load_graph
-from flowabs_nodes.engine.worker_pool import Limits, WorkerPool
+from flowabs_nodes.engine.worker_pool import SETTLED, Limits, WorkerPool
 from tests.engine.sequences import leftovers, pixels, plate
 
 FRAMES = range(1, 7)
@@ -26,7 +26,7 @@ def job(tmp_path):
     return build_job(load_graph("lines"), asked)[0]
 
 
-def pool(job, notes=None, peak=1, **limits):
+def pool(job, notes=None, peak=1, chunk=1, **limits):
     known = {"jobs": 2, "threads": 2, "memory": 10**12} | limits
 
     def listen(event):
@@ -34,7 +34,7 @@ def pool(job, notes=None, peak=1, **limits):
             notes.append(event["text"])
 
     types = {name: node.declaration.type for name, node in job.graph.nodes.items()}
-    return WorkerPool(job, Limits(**known), RunEvents(listen, types), peak=peak)
+    return WorkerPool(job, Limits(**known), RunEvents(listen, types), peak=peak, chunk=chunk)
 
 
 def statuses(reports):
@@ -131,6 +131,13 @@ def test_as_many_at_once_as_fit(job, memory, at_once):
     here = pool(job, peak=2 * 10**9, memory=memory)
     seen = [len(here._busy()) + 1 for _ in islice(here.render(FRAMES), 4)]
     assert max(seen) == at_once
+
+
+def test_frames_that_read_their_neighbours_are_expected_to_take_more_at_first(job, tmp_path):
+    here = pool(job, peak=2 * 10**9, memory=6 * 10**9, chunk=3)
+    seen = [len(here._busy()) for _ in here.render(range(1, 13))]
+    assert max(seen[:SETTLED]) == 1
+    assert seen[SETTLED:] != [1] * len(seen[SETTLED:])
 
 
 def test_a_frame_that_needs_more_than_all_is_rendered_alone_and_a_line_says_so(job):

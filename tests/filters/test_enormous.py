@@ -34,6 +34,9 @@ FILTERS = {
     "fbl at half the size": lambda picture: filters.fbl(picture, FLOW, alpha=LINES, working_scale="1/2"),
     "fdog at half the size": lambda picture: filters.fdog(picture, FLOW, color_weight=0.5, working_scale="1/2"),
     "etf at half the size": lambda picture: filters.etf(picture, fill=4, pre_blur=1, working_scale="1/2"),
+    "etf beside edges that are known": lambda picture: filters.etf(
+        picture, edge_strength=LINES, edge_flow=FLOW, edge_weight=1e6
+    ),
     "bilateral": filters.bilateral,
     "bilateral that tells no colours apart": lambda picture: filters.bilateral(picture, 6, 1e30, kernel="xy"),
     "rolling_guidance": filters.rolling_guidance,

@@ -40,13 +40,17 @@ def etf(
     reference: float | None = None,
     fill: float | None = None,
     mask: npt.ArrayLike | None = None,
+    edges: tuple[npt.ArrayLike, npt.ArrayLike, float] | None = None,
 ) -> Float64:
     """Return the ETF by eqs. 1-5 as printed; pixels outside the picture take no part.
 
     ``reference`` is the gradient of full strength, None its maximum; with ``fill`` None tangents may be zero. A pixel's
-    gradient, certainty and weight are multiplied by ``mask``; where it is 0 there is no tangent.
+    gradient, certainty and weight are multiplied by ``mask``; where it is 0 there is no tangent. ``edges`` are the
+    strength, the tangents and the weight of edges that are known.
     """
     tangent, magnitude = gradient(code)
+    if edges is not None:
+        tangent, magnitude = with_edges(tangent, magnitude, *edges)
     mask = np.ones(magnitude.shape) if mask is None else np.asarray(mask, np.float64)
     tangent, magnitude = np.where(mask[..., None] > 0, tangent, 0), magnitude * mask
     reference = magnitude.max() if reference is None else reference
@@ -60,6 +64,22 @@ def etf(
         for offsets in [disc] if kernel == "full" else [row, column]:
             tangent = _smooth(tangent, strength, offsets, mask)
     return tangent
+
+
+def with_edges(
+    tangent: Float64, magnitude: Float64, strength: npt.ArrayLike, flow: npt.ArrayLike, weight: float
+) -> tuple[Float64, Float64]:
+    """Return tangents and magnitudes of g g^T + e e^T, pixel by pixel."""
+    tangent, magnitude = tangent.copy(), magnitude.copy()
+    strength, flow = np.asarray(strength, np.float64), np.asarray(flow, np.float64)
+    for y, x in np.argwhere(strength > 0):
+        g = magnitude[y, x] * np.array([tangent[y, x, 1], -tangent[y, x, 0]])
+        e = weight * strength[y, x] * np.array([flow[y, x, 1], -flow[y, x, 0]])
+        values, vectors = np.linalg.eigh(np.outer(g, g) + np.outer(e, e))
+        magnitude[y, x] = np.sqrt(values[1])
+        if values[1] > values[0]:
+            tangent[y, x] = -vectors[1, 1], vectors[0, 1]
+    return tangent, magnitude
 
 
 def _smooth(

@@ -12,7 +12,7 @@ import pytest
 import flowabs_nodes as fa
 from flowabs_nodes.nodes import catalogue
 from tests.io import renders
-from tests.io.files import exr, native, same_bits
+from tests.io.files import box, colors, exr, native, planes, same_bits
 
 READS = ("read_depth", "read_normal", "read_motion", "read_id")
 
@@ -28,7 +28,8 @@ def test_ports_and_defaults() -> None:
     }
     for name in READS:
         expected = {"layer": "", "part": "", "missing": "error"}
-        assert nodes[name].defaults() == expected | ({"convention": "auto"} if name == "read_motion" else {})
+        own = {"read_motion": {"convention": "auto"}}.get(name, {} if name == "read_depth" else {"absent": "error"})
+        assert nodes[name].defaults() == expected | own
         assert nodes[name].file_param is not None
         assert nodes[name].file_param.role == "input"  # type: ignore[union-attr]
 
@@ -107,3 +108,44 @@ def test_a_matte_of_a_large_id(tmp_path: Path) -> None:
     }
     found = fa.load_graph(document).run(outputs=["crate"])["crate"]
     np.testing.assert_array_equal(found.pixels[..., 0], (renders.IDS == renders.CRATE).astype(np.float32))
+
+
+# ---------------------------------------------------------------------- passes that are not there
+
+
+def absent_graph(file: Path, **params: Any) -> Any:
+    """Return a graph that reads normals and ids of a file."""
+    nodes = {
+        "normal": {"type": "read_normal@1", "params": {"file": str(file), "absent": "empty", **params}},
+        "ids": {"type": "read_id@1", "params": {"file": str(file), "absent": "empty", **params}},
+    }
+    return fa.load_graph({"format": "flowabs.graph/1", "name": "absent", "nodes": nodes})
+
+
+@pytest.mark.parametrize("what", ["beauty", "other"])
+def test_in_place_of_an_absent_pass_nothing_is_read_and_that_is_told(tmp_path: Path, what: str) -> None:
+    channels = planes(colors(dtype=np.float32))
+    if what == "other":
+        channels |= {"Z": renders.depth()}
+    path = exr(tmp_path / "a.exr", channels, dataWindow=box(3, 1, 32, 24))
+    said: list[dict[str, Any]] = []
+    made = absent_graph(path).run(outputs=["normal", "ids", "ids.coverage"], on_event=said.append)
+    assert not made["normal"].pixels.any()
+    assert not made["ids"].pixels.any()
+    assert (made["ids.coverage"].pixels == 1).all()
+    assert {(image.type, image.data_window) for image in made.values()} == {
+        (type, (3, 1, 32, 24)) for type in ("normal", "id", "mono")
+    }
+    warnings = {each["node"]: each["text"] for each in said if each["level"] == "warning"}
+    assert warnings.keys() == {"normal", "ids"}
+    assert all(each.startswith("nothing is read: ") for each in warnings.values())
+
+
+@pytest.mark.parametrize(("params", "code"), [({"layer": "N"}, "wrong-layer"), ({"absent": "error"}, "no-layer")])
+def test_what_else_is_wrong_with_a_pass_is_an_error_all_the_same(
+    tmp_path: Path, params: dict[str, str], code: str
+) -> None:
+    path = exr(tmp_path / "a.exr", {"N": renders.depth(), "Y": renders.depth()})
+    with pytest.raises(fa.FlowabsError) as caught:
+        absent_graph(path, **params).run(outputs="normal")
+    assert caught.value.code == code

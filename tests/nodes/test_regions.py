@@ -40,14 +40,14 @@ def region_of(type, **params):
 def test_a_flow_needs_the_whole_picture_for_statistics_and_fill():
     local = {"gradient_reference": 16.0, "fill": None}
     around = Window(-3 - 13, 5 - 13, 7 + 26, 2 + 26)
-    assert region_of("etf", **local) == {"image": around, "mask": around}
+    assert region_of("etf", **local) == dict.fromkeys(("image", "mask", "edge_strength", "edge_flow"), around)
     for change in ({"gradient_reference": "max"}, {"gradient_reference": "p99"}, {"fill": 0.0}, {"adaptive": True}):
         assert region_of("etf", **local | change) == {}
 
 
 def test_nodes_that_look_at_the_whole_picture_have_no_region():
     without = {type for type, node in NODES.items() if node.inputs and node.outputs and node.region is None}
-    assert without == {"lic", "canny", "mean_shift", "reformat"}
+    assert without == {"lic", "canny", "mean_shift", "reformat", "aov_lines", "optical_flow", "motion_window"}
 
 
 @pytest.mark.parametrize("type", ["fdog", "fdog_iterative"])

@@ -290,7 +290,7 @@ def test_two_instances_at_once_do_not_disturb_each_other(host):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", list(shipped()))
+@pytest.mark.parametrize("name", [name for name in shipped() if name not in ("toon", "outline")])
 def test_every_shipped_graph_has_the_bits_of_python(host, name):
     source = np.concatenate([picture(60, 40, seed=16), picture(60, 40, seed=17) * 0.2], axis=1)
     source[..., 3] = 1
@@ -305,6 +305,41 @@ def test_every_shipped_graph_has_the_bits_of_python(host, name):
         assert np.array_equal(instance.render(), expected(name, source, output)), (name, output)
         instance.destroy()
     assert len(outputs) == place + 1
+
+
+def passes():
+    """Return the passes of a render as hosts have them, RGBA, by the clip's name: a near box before a wall."""
+    y, x = np.indices((40, 60))
+    near = (abs(x - 30) < 12) & (abs(y - 20) < 9)
+    planes = {name: np.zeros((40, 60, 4), np.float32) for name in ("normal", "ids", "ids_coverage", "materials")}
+    planes["depth"] = np.where(near, 3, 9)[..., None] * np.ones(4, np.float32)
+    planes["normal"][..., 2] = planes["ids_coverage"][..., 0] = planes["materials"][..., 0] = 1
+    planes["ids"][..., 0] = 1 + near
+    return {name: np.ascontiguousarray(pixels, np.float32) for name, pixels in planes.items()}
+
+
+@pytest.mark.slow
+def test_a_graph_for_renders_takes_passes_as_clips(host):
+    """Outputs are those of Python; a clip that is missing is named."""
+    source = picture(40, 60, seed=18)
+    source[..., 3] = 1
+    instance = instance_of(host, "outline", source, context=GENERAL)
+    instance.render(expect=FAILED)
+    assert instance.message[1].startswith("connect the clip depth, or set its file in the graph: node 'depth': ")
+    clips = passes()
+    for name, pixels in clips.items():
+        instance.clips[name].connect(Held(pixels))
+    kinds = {"depth": "depth", "normal": "normal", "ids": "id", "ids_coverage": "mono", "materials": "id"}
+    given = {"plate": fa.Image.from_array(source)}
+    for name, kind in kinds.items():
+        pixels = clips[name][..., : 3 if kind == "normal" else 1]
+        pixels = pixels.astype(np.uint32) if kind == "id" else pixels
+        given[name.replace("_", ".")] = fa.Image.from_array(pixels, type=kind)
+    made = fa.load_graph("outline").run(1, given, outputs=["comp"])["comp"].to_array(channels="RGBA")
+    found = instance.render()
+    assert np.array_equal(found, made)
+    assert np.abs(found - source).max() > 0.05, "there is ink"
+    instance.destroy()
 
 
 def test_nothing_is_left_in_shared_memory(host):

@@ -24,6 +24,7 @@ from flowabs_nodes.filters.flow.etf_passes import smooth
 from flowabs_nodes.filters.flow.fill import flow_fill
 from flowabs_nodes.filters.flow.flow_resolution import enlarged_flow
 from flowabs_nodes.filters.flow.footprint_sums import footprint_passes
+from flowabs_nodes.filters.flow.known_edges import edges_of, with_edges
 from flowabs_nodes.filters.working_scale import SOBEL, flow_factor, shortened_blur
 from flowabs_nodes.sampling.resolution import reduced
 
@@ -39,6 +40,9 @@ def etf(
     adaptive: bool = False,
     mask: npt.ArrayLike | None = None,
     working_scale: str = "full",
+    edge_strength: npt.ArrayLike | None = None,
+    edge_flow: npt.ArrayLike | None = None,
+    edge_weight: float = 60.0,
 ) -> Array:
     """Return the edge tangent flow, eqs. 1-5: a smooth field of tangents that keeps the directions of strong edges.
 
@@ -76,6 +80,13 @@ def etf(
         The size of the picture that is worked on: "full"; "1/2" or "1/4" of its width and height, lengths and
         quantities per pixel to match, the flow brought back up; or "auto": 1/2 where it leaves the radius at least 10
         pixels, with ``adaptive`` the least radius, and ``pre_blur`` at least 1; 1/4 where it leaves twice as much.
+    edge_strength
+        Edges that are known from elsewhere: how sure one is at each pixel, (H, W), 0 to 1. Needs ``edge_flow``.
+    edge_flow
+        Their tangents, (H, W, 2); the sign has no meaning.
+    edge_weight
+        The gradient that an edge of full strength counts as, beside the picture's own
+        (:mod:`~flowabs_nodes.filters.flow.known_edges`), in code values per pixel, at least 0.
 
     Returns
     -------
@@ -98,6 +109,9 @@ def etf(
         adaptive=adaptive,
         mask=mask,
         working_scale=working_scale,
+        edge_strength=edge_strength,
+        edge_flow=edge_flow,
+        edge_weight=edge_weight,
     )[0]
 
 
@@ -113,6 +127,9 @@ def etf_and_reference(
     adaptive: bool,
     mask: npt.ArrayLike | None = None,
     working_scale: str = "full",
+    edge_strength: npt.ArrayLike | None = None,
+    edge_flow: npt.ArrayLike | None = None,
+    edge_weight: float = 60.0,
 ) -> tuple[Array, float]:
     """Return :func:`etf`, and the reference it used: the gradient of full strength, in code values per pixel."""
     code = validate.plane_or_planes("code", code)
@@ -124,8 +141,10 @@ def etf_and_reference(
     fill = None if fill is None else validate.number("fill", fill, min=0)
     adaptive = validate.flag("adaptive", adaptive)
     counts = None if mask is None else validate.matte("mask", mask, code.shape)
+    edges = edges_of(edge_strength, edge_flow, edge_weight, code.shape)
     factor = flow_factor(working_scale, radii(radius)[-1] if adaptive else radius, pre_blur)
     if factor > 1:
+        known = None if edges is None else edges.reduced(factor)
         small, reference = etf_and_reference(
             reduced(code, factor),
             radius / factor,
@@ -136,10 +155,15 @@ def etf_and_reference(
             fill=None if fill is None else fill * factor,
             adaptive=adaptive,
             mask=None if counts is None else reduced(counts, factor),
+            edge_strength=None if known is None else known.strength,
+            edge_flow=None if known is None else known.flow,
+            edge_weight=edge_weight if known is None else known.weight,
         )
         return enlarged_flow(small, factor, *code.shape[:2]), reference / factor
 
     measured = gradient.measured(code, pre_blur)
+    if edges is not None:
+        measured = with_edges(measured, edges)
     if counts is not None:
         measured = gradient.masked(measured, counts)
     tangent, magnitude = measured.gradient

@@ -185,7 +185,7 @@ def _gradient(
                     gx, gy = _sobel(above, here, below, i)
                     xx, yy = gx * gx, gy * gy
                     c, s, trace = c + (xx - yy), s + 2.0 * (gx * gy), trace + (xx + yy)
-                tx, ty, m = _tangent_of_tensor(c, s, trace)
+                tx, ty, m = tangent_of_tensor(c, s, trace)
             i = y * width + x
             store_pairs(tangent, 2 * i, (tx, ty))
             store(magnitude, i, m)
@@ -245,7 +245,7 @@ def _tangent_of(gx: Any, gy: Any) -> Any:
 
 
 @inlined
-def _tangent_of_tensor(c: Any, s: Any, trace: Any) -> Any:
+def tangent_of_tensor(c: Any, s: Any, trace: Any) -> Any:
     """Return t.x, t.y and |g| of a structure tensor of double angle (c, s), c = xx - yy and s = 2 xy, and ``trace``.
 
     The tangent is the major eigenvector turned by 90 degrees, |g| the root of the major eigenvalue.

@@ -114,7 +114,7 @@ def _across(
     """Return how much ink lies in the direction (nx, ny); ``total`` is 0."""
     survival = splat_floats(1.0)
     for s in range(1, reach + 1):
-        q = _ink_at(ink, block, nx * np.float32(s), ny * np.float32(s), raster, place)
+        q = ink_at(ink, block, nx * np.float32(s), ny * np.float32(s), raster, place)
         survival = minimum(survival, 2.0 * q)
         survival = select(survival < ENDED, 0.0, survival)
         total = total + survival * q
@@ -124,7 +124,7 @@ def _across(
 
 
 @inlined
-def _ink_at(ink: Array, block: Block, dx: Floats, dy: Floats, raster: Raster, place: Int32) -> Floats:
+def ink_at(ink: Array, block: Block, dx: Floats, dy: Floats, raster: Raster, place: Int32) -> Floats:
     """Return bilinear samples of ink at the points (dx, dy) away from a block's pixels; ``place`` is scratch memory."""
     x, u = _pixel_before(dx, block.x, raster.width - 2)
     y, v = _pixel_before(dy, block.y, raster.height - 2)
@@ -227,11 +227,11 @@ def _walk(
     dx, dy, survival = splat_floats(0.0), splat_floats(0.0), splat_floats(1.0)
     for _ in range(rule.steps):
         dx, dy = dx + tx, dy + ty
-        ahead = _ink_at(ink, block, dx + ty, dy - tx, raster, place)
-        behind = _ink_at(ink, block, dx - ty, dy + tx, raster, place)
+        ahead = ink_at(ink, block, dx + ty, dy - tx, raster, place)
+        behind = ink_at(ink, block, dx - ty, dy + tx, raster, place)
         aside = (ahead - behind) * 0.5
         dx, dy = dx + aside * ty, dy - aside * tx
-        q = minimum(2.0 * _ink_at(ink, block, dx, dy, raster, place), 1.0)
+        q = minimum(2.0 * ink_at(ink, block, dx, dy, raster, place), 1.0)
         survival = survival * (1.0 - rule.fade * (1.0 - q))
         survival = select(survival < ENDED, 0.0, survival)
         total = total + survival * q

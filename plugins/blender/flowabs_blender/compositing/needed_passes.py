@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import bpy
 
 from flowabs_nodes.graph.model import Graph
-from flowabs_nodes.io.pass_names import ALBEDO, ANY_CRYPTOMATTE, plain_name, same_pass
+from flowabs_nodes.io.pass_names import ALBEDO, ANY_CRYPTOMATTE, ANY_MATERIAL, plain_name, same_pass
 from flowabs_nodes.io.views import split_view
 
 #: The pass that a node reads where its layer names none.
@@ -75,5 +75,7 @@ def _named(layer: str) -> str | None:
         return "Diffuse Color"
     if plain_name(layer) == ANY_CRYPTOMATTE:
         return "CryptoObject"
+    if plain_name(layer) == ANY_MATERIAL:
+        return "CryptoMaterial"
     level = layer.rstrip("0123456789") if plain_name(layer).startswith("crypto") else layer
     return next((name for name in _SWITCHES if same_pass(level, name)), None)

@@ -1,0 +1,58 @@
+"""What tells surfaces apart from frame to frame: the depth and the normal of each pixel, side by side."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flowabs_nodes.array_types import Array
+from flowabs_nodes.port_types import FAR
+from flowabs_nodes.simd.bands import over_rows
+from flowabs_nodes.simd.jit import kernel
+from flowabs_nodes.simd.lanes import LANES, select, splat_floats
+from flowabs_nodes.simd.memory import load, load_triples, store, store_quads
+
+#: Depth from which on there is background.
+BACKGROUND = 1e9
+
+
+def known_depths(depth: Array, stride: int) -> Array:
+    """Return depths (H x stride,) with one number, 1e10, for all that is background: from 1e9 on, Inf and NaN."""
+    known = np.empty_like(depth)
+    over_rows(_know, depth.size // stride, depth, stride, known)
+    return known
+
+
+def surfaces(normal: Array, depth: Array, stride: int) -> Array:
+    """Return normals (H x stride x 3,) and depths (H x stride,) as records of four floats, flattened.
+
+    Of the two one may have no pixels: its numbers are the same everywhere then. Without both there are no records.
+    """
+    pixels = max(normal.size // 3, depth.size)
+    records = np.empty(4 * pixels, np.float32)
+    over_rows(_pack, pixels // stride, normal, depth, stride, records)
+    return records
+
+
+@kernel
+def _know(first: int, last: int, depth: Array, stride: int, known: Array) -> None:
+    """Write the depths of the rows ``first`` .. ``last`` - 1 as they are known."""
+    for y in range(first, last):
+        for x0 in range(0, stride, LANES):
+            pixel = y * stride + min(x0, stride - LANES)
+            z = load(depth, pixel)
+            store(known, pixel, select(z < BACKGROUND, z, splat_floats(FAR)))
+
+
+@kernel
+def _pack(first: int, last: int, normal: Array, depth: Array, stride: int, records: Array) -> None:
+    """Write the records of the rows ``first`` .. ``last`` - 1."""
+    u = v = w = splat_floats(0.0)
+    z = splat_floats(1.0)
+    for y in range(first, last):
+        for x0 in range(0, stride, LANES):
+            pixel = y * stride + min(x0, stride - LANES)
+            if normal.size > 0:
+                u, v, w = load_triples(normal, 3 * pixel)
+            if depth.size > 0:
+                z = load(depth, pixel)
+            store_quads(records, 4 * pixel, (u, v, w, z))

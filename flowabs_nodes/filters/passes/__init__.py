@@ -1,0 +1,1 @@
+"""Lines and mattes from a render's passes: depth, normals, ids."""

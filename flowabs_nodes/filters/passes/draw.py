@@ -1,0 +1,176 @@
+"""Ink and distances: each pixel's nearest edges, by the pieces of lines through their points.
+
+A piece at p with normal n (outward) reaches over the pixels q whose (q - p).t is at most 3/4 px, more further away;
+there d = (p - q).n, positive on the near side. Of several pieces the nearest point counts. A line lies on the near
+side, a crease on both:
+
+    ink = strength clip(min(d, width - d) + 1/2, 0, 1),    of a crease: strength clip(width / 2 - |d| + 1/2, 0, 1).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from flowabs_nodes.array_types import Array, Float64, Int32
+from flowabs_nodes.filters.passes.edges import CREASE, KINDS, Edges
+from flowabs_nodes.simd.bands import over_rows
+from flowabs_nodes.simd.jit import inlined, kernel
+
+#: Distances are told up to this, in pixels; it stands where no edge is nearer.
+FAR = 10.0
+
+_WEAKER = 2.0  # px: how much further away a point without strength counts
+_HALF, _SPREAD = 0.75, 0.7  # half the length of a piece, in pixels, and how much more for each pixel away
+_BOTH = 0.5  # px^2: edges that are as near as that are both drawn
+_BAND, _FADED = 2.0, 3.0  # px: strength is told this near an edge, and no more from there on
+
+
+class Pens(NamedTuple):
+    """Widths in pixels."""
+
+    width: float
+    crease_width: float
+
+
+class Drawing(NamedTuple):
+    """What is drawn, (H, W) float32 each; of size 0 where it is not asked for."""
+
+    kinds: Array  # (5, H, W): ink of each kind
+    lines: Array  # 1 paper, 0 ink
+    strength: Array
+    distance: Array
+
+
+def draw(edges: Edges, creases: Edges, pens: Pens, height: int, width: int, *, apart: bool, measured: bool) -> Drawing:
+    """Draw edges and creases; ``apart`` each kind for itself too, ``measured`` with strengths and distances."""
+    reach, crease_reach = (FAR, FAR) if measured else (ink_reach(pens.width), ink_reach(pens.crease_width / 2))
+    size = (height, width) if measured else (0, 0)
+    drawing = Drawing(
+        np.empty((KINDS, height, width) if apart else (KINDS, 0, 0), np.float32),
+        np.empty((height, width), np.float32),
+        np.empty(size, np.float32),
+        np.empty(size, np.float32),
+    )
+    over_rows(_draw, height, edges, creases, pens, reach, crease_reach, drawing)
+    return drawing
+
+
+def ink_reach(most: float) -> float:
+    """Return how far away a point can be that puts ink up to ``most`` pixels from its line.
+
+    Whatever lies further away is the nearest of no pixel with ink, so that looking no further changes no line.
+    """
+    d = most + 0.5
+    return min(math.sqrt(d * d + (_HALF + _SPREAD * d) ** 2 + _WEAKER * _WEAKER), FAR)
+
+
+@kernel
+def _draw(
+    first: int,
+    last: int,
+    edges: Edges,
+    creases: Edges,
+    pens: Pens,
+    reach: float,
+    crease_reach: float,
+    drawing: Drawing,
+) -> None:
+    """Draw the rows ``first`` .. ``last`` - 1."""
+    width = drawing.lines.shape[1]
+    apart, measured = drawing.kinds.size > 0, drawing.distance.size > 0
+    drawing.lines[first:last] = 1
+    if apart:
+        drawing.kinds[:, first:last] = 0
+    if measured:
+        drawing.strength[first:last], drawing.distance[first:last] = 0, FAR
+    shape = 2, last - first, width  # the nearest edge whose near side a pixel is on, and the one whose far side
+    squares, signed, which = np.full(shape, np.inf), np.empty(shape), np.empty(shape, np.int32)
+    _nearest(first, last, edges, reach, False, squares, signed, which)
+    folds = 1, last - first, width
+    crease_squares, unsigned, crease = np.full(folds, np.inf), np.empty(folds), np.empty(folds, np.int32)
+    _nearest(first, last, creases, crease_reach, True, crease_squares, unsigned, crease)
+    for y in range(first, last):
+        j = y - first
+        for x in range(width):
+            inner, outer, fold = squares[0, j, x], squares[1, j, x], crease_squares[0, j, x]
+            if min(inner, outer, fold) == np.inf:
+                continue
+            most, nearest, strength = 0.0, FAR, 0.0
+            for side in range(2):
+                # Where lines meet, a pixel beyond the one's edge is on the other.
+                if squares[side, j, x] < np.inf and squares[side, j, x] <= squares[1 - side, j, x] + _BOTH:
+                    e, d = which[side, j, x], signed[side, j, x]
+                    ink = edges.strength[e] * min(max(min(d, pens.width - d) + 0.5, 0.0), 1.0)
+                    if apart:
+                        drawing.kinds[edges.kind[e], y, x] = max(ink, drawing.kinds[edges.kind[e], y, x])
+                    most = max(most, ink)
+                    if squares[side, j, x] < squares[1 - side, j, x] or side == 0:
+                        nearest, strength = d, edges.strength[e]
+            if fold < np.inf:
+                d, s = abs(unsigned[0, j, x]), creases.strength[crease[0, j, x]]
+                ink = s * min(max(pens.crease_width / 2 - d + 0.5, 0.0), 1.0)
+                if apart:
+                    drawing.kinds[CREASE, y, x] = ink
+                most = max(most, ink)
+                if fold < min(inner, outer):
+                    nearest, strength = d, s
+            drawing.lines[y, x] = 1 - most
+            if measured:
+                drawing.distance[y, x] = min(max(nearest, -FAR), FAR)
+                drawing.strength[y, x] = strength * min(max((_FADED - abs(nearest)) / (_FADED - _BAND), 0.0), 1.0)
+
+
+@inlined
+def _between(slope: float, value: float, most: float) -> tuple[float, float]:
+    """Return the ends of the interval of t in which |value + slope t| is at most ``most``, at most 1e6 away."""
+    if abs(slope) < 1e-6:
+        return (-1e6, 1e6) if abs(value) <= most else (1.0, -1.0)
+    middle, half = -value / slope, most / abs(slope)
+    return max(middle - half, -1e6), min(middle + half, 1e6)
+
+
+@inlined
+def _nearest(
+    first: int,
+    last: int,
+    edges: Edges,
+    reach: float,
+    two_sided: bool,
+    squares: Float64,
+    signed: Float64,
+    which: Int32,
+) -> None:
+    """Write d and the index of the nearest point, within ``reach``, of each pixel of the rows first .. last - 1.
+
+    In layer 0 of the results is the nearest one with d >= 0, or of all if ``two_sided``; in layer 1 that with d < 0.
+    """
+    height, width = edges.rows.size - 1, signed.shape[2]
+    most = _HALF + _SPREAD * reach
+    margin = math.ceil(math.hypot(reach, most)) + 2
+    for e in range(edges.rows[max(first - margin, 0)], edges.rows[min(last + margin, height)]):
+        strength = edges.strength[e]
+        if strength <= 0:
+            continue
+        px, py, nx, ny = edges.x[e], edges.y[e], edges.nx[e], edges.ny[e]
+        weaker = (_WEAKER * (1 - strength)) ** 2
+        high = abs(ny) * reach + abs(nx) * most
+        for y in range(max(first, math.ceil(py - high)), min(last, math.floor(py + high) + 1)):
+            dy = py - y
+            # |dx nx + dy ny| <= reach and |dy nx - dx ny| <= most hold for dx from here to there.
+            low, top = _between(nx, dy * ny, reach)
+            low2, top2 = _between(ny, -dy * nx, most)
+            left, right = px - min(top, top2), px - max(low, low2)
+            for x in range(max(0, math.ceil(left)), min(width, math.floor(right) + 1)):
+                dx = px - x
+                d, s = dx * nx + dy * ny, dy * nx - dx * ny
+                square = d * d + s * s
+                if square > reach * reach or abs(s) > _HALF + _SPREAD * abs(d):
+                    continue
+                side = 0 if d >= 0 or two_sided else 1
+                if square + weaker < squares[side, y - first, x]:
+                    squares[side, y - first, x] = square + weaker
+                    signed[side, y - first, x] = d
+                    which[side, y - first, x] = e
