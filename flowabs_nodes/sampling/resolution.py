@@ -65,6 +65,11 @@ def _reduce(first: int, last: int, picture: Array, weights: Array | None, factor
                 blocks[j, i, c] = total / count if count > 0 else 0.0
 
 
+def reduced_planes(planes: Array, factor: int) -> Array:
+    """Return planes (P, H, W) :func:`reduced`, (P, h, w)."""
+    return planes if factor == 1 else np.stack([reduced(plane, factor) for plane in planes])
+
+
 def cubic_phases(factor: int) -> Float64:
     """Return the weights of four neighbours at each phase, (factor, 4), by Catmull-Rom's cubic.
 
@@ -111,26 +116,28 @@ def planes_to_enlarge(planes: Array, phases: Float64) -> tuple[Array, Enlargemen
     return np.ascontiguousarray(planes), Enlargement(len(phases), phases, width, planes.shape[2])
 
 
-def enlarged(planes: Array, factor: int, height: int, width: int) -> Array:
+def enlarged(planes: Array, factor: int, height: int, width: int, first: int = 0, last: int | None = None) -> Array:
     """Return reduced planes brought up to full size by Catmull-Rom's cubic, (P, height, width) float32.
 
-    ``planes`` are (P, h, w) float32, h and w those of a picture of ``height`` x ``width`` that was :func:`reduced`.
+    ``planes`` are (P, h, w) float32, h and w those of a picture of ``height`` x ``width`` that was :func:`reduced`. Of
+    the result there are the rows ``first`` .. ``last`` - 1 alone, where these are given.
     """
+    last = height if last is None else last
     if factor == 1:
-        return planes
-    result = np.empty((len(planes), height, width), np.float32)
+        return planes[:, first:last]
+    result = np.empty((len(planes), last - first, width), np.float32)
     small, how = planes_to_enlarge(planes, cubic_phases(factor))
     for plane, large in zip(small, result, strict=True):
-        over_rows(_enlarge, height, plane, how, large)
+        over_rows(_enlarge, last - first, plane, how, first, large)
     return result
 
 
 @kernel
-def _enlarge(first: int, last: int, plane: Array, how: Enlargement, large: Array) -> None:
-    """Write rows ``first`` .. ``last`` - 1 of a plane brought up."""
+def _enlarge(first: int, last: int, plane: Array, how: Enlargement, start: int, large: Array) -> None:
+    """Write rows ``first`` .. ``last`` - 1 of ``large``, whose first row is row ``start`` of a plane brought up."""
     column, row = new_column(how), np.empty(how.factor * how.stride, np.float32)
     for y in range(first, last):
-        enlarge_row(plane, y, how, column, row)
+        enlarge_row(plane, start + y, how, column, row)
         for x in range(large.shape[1]):
             large[y, x] = row[x]
 
