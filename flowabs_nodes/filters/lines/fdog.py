@@ -190,13 +190,24 @@ class Detector:
         ``size`` is H and W: those of the planes, or of the full picture, to which H is brought up. ``missing``, (C, h,
         w), is added to the sums across the flow.
         """
-        responses = self._of_channels(planes, flow, missing)
-        del planes, missing
+        if self.full:
+            responses = exact_sum(planes, flow, self.taps, self.weights, self.sampling)  # eq. 6
+            if missing is not None:
+                responses += along(missing, flow, self.weights, self.sampling)
+        else:
+            sums = across(planes, flow, self.taps)  # eq. 10
+            del planes
+            if missing is not None:
+                sums += missing
+            responses = along(sums, flow, self.weights, self.sampling)  # eq. 11
+            del sums
         at_work = size == responses.shape[1:]
         if at_work or evidence > 0:
             joined = self._joined(responses)
         if at_work and evidence == 0:
             return joined
+        if at_work:
+            del responses  # whose memory serves what follows
         if evidence > 0:
             found = stretch(joined, flow, self.sigma_m, self.evidence_factor // self.factor)
         response = np.empty(size, np.float32)
@@ -213,16 +224,6 @@ class Detector:
 
         over_rows(band, size[0])
         return response
-
-    def _of_channels(self, planes: Array, flow: Array, missing: Array | None) -> Array:
-        """Return the response of each channel, (C, h, w)."""
-        if self.full:
-            responses = exact_sum(planes, flow, self.taps, self.weights, self.sampling)  # eq. 6
-            return responses if missing is None else responses + along(missing, flow, self.weights, self.sampling)
-        sums = across(planes, flow, self.taps)  # eq. 10
-        if missing is not None:
-            sums += missing
-        return along(sums, flow, self.weights, self.sampling)  # eq. 11
 
     def _joined(self, responses: Array) -> Array:
         """Return H, (H, W), of the channels' responses (C, H, W) before evidence is asked for."""

@@ -173,8 +173,9 @@ class Passes:
         for _ in range(self.iterations - 1):
             seen = original.shape[1:]
             lines, _ = self.lines_of(self.detector.response(self._seen(original, lines), flow, seen, missing))
-        picture = self._seen(original, lines)
-        return self.lines_of(self.detector.response(picture, flow, size, missing, self.evidence))
+        response = self.detector.response(self._seen(original, lines), flow, size, missing, self.evidence)
+        del original, missing, lines
+        return self.lines_of(response)
 
     def _seen(self, original: Array, lines: Array | None) -> Array:
         """Return the planes (C, H, W) that a pass filters: the original under the ink of ``lines``, and blurred."""
