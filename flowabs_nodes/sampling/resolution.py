@@ -42,7 +42,8 @@ def reduced(picture: Array, factor: int, weights: Array | None = None) -> Array:
     blocks = small.reshape(small.shape[0], small.shape[1], channels)
     if weights is None:
         rows = picture.reshape(height, width * channels)
-        rows = np.pad(rows, ((0, 0), (0, max(0, LANES - rows.shape[1]))))  # whose padding is never read
+        if rows.shape[1] < LANES:  # what is added never counts
+            rows = np.pad(rows, ((0, 0), (0, LANES - rows.shape[1])))
         over_rows(_reduce, small.shape[0], rows, width, factor, blocks)
     else:
         over_rows(_reduce_weighted, small.shape[0], picture.reshape(height, width, channels), weights, factor, blocks)

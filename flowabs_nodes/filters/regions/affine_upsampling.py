@@ -55,12 +55,20 @@ def upsampled(
 def fitted(small: Array, smoothed: Array, covered: Array | None) -> Array:
     """Return a of the three channels and then b, (6, h, w), for :func:`applied`; all are as in :func:`upsampled`."""
     height, width, _ = small.shape
-    rim = ((1, 1), (1, max(1, LANES + 1 - width)))  # the border repeated, rows of at least sixteen pixels
-    around = np.empty((6, height + 2, width + sum(rim[1])), np.float32)
-    for plane, picture, c in zip(around, (small,) * 3 + (smoothed,) * 3, (0, 1, 2) * 2, strict=True):
-        plane[:] = np.pad(picture[..., c], rim, "edge")
+    beyond = max(1, LANES + 1 - width)  # columns to the right: rows have at least sixteen pixels
+    around = np.empty((6, height + 2, 1 + width + beyond), np.float32)
+
+    def lay_out(first: int, last: int) -> None:
+        """Copy rows as planes; the border is repeated at both sides."""
+        rows = around[:, 1 + first : 1 + last]
+        rows[:3, :, 1 : 1 + width] = np.moveaxis(small[first:last], 2, 0)
+        rows[3:, :, 1 : 1 + width] = np.moveaxis(smoothed[first:last], 2, 0)
+        rows[..., 0], rows[..., 1 + width :] = rows[..., 1], rows[..., width, None]
+
+    over_rows(lay_out, height)
+    around[:, 0], around[:, -1] = around[:, 1], around[:, -2]
     counts = np.ones((height, width), np.float32) if covered is None else covered
-    weights = np.ascontiguousarray(np.pad(counts, rim, "edge"))
+    weights = np.ascontiguousarray(np.pad(counts, ((1, 1), (1, beyond)), "edge"))
     lines = np.empty((6, height, around.shape[2] - 2), np.float32)
     over_rows(_fit, height, around, weights, lines)
     return np.ascontiguousarray(lines[..., :width])

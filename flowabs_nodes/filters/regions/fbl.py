@@ -154,7 +154,12 @@ def _along_edges(
         raster = raster_of(band)
         along = _pass_along(flow[top:bottom], sigma, r, bilinear, covered, raster, again=False)
         smoothed = run_passes(as_records(band, covered, raster), raster, [along], 1)
-        result[first:last] = smoothed[first - top : last - top]
+        made, rows = result[first:last], smoothed[first - top : last - top]
+
+        def copy(begin: int, end: int, made: Array = made, rows: Array = rows) -> None:
+            made[begin:end] = rows[begin:end]
+
+        over_rows(copy, last - first)
     return result
 
 
