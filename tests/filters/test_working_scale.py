@@ -18,6 +18,7 @@ from flowabs_nodes.filters.working_scale import (
     shortened_blur,
     shortened_range,
     soft_edges_factor,
+    step_along,
 )
 
 #: The shipped cartoon's lengths on a picture of 2160 lines.
@@ -26,7 +27,7 @@ LINES = {"sigma_m": 12.0, "sigma_c": 4.0, "rho": 1.0, "color_weight": 0.5, "colo
 DRAWN = {**LINES, "iterations": 2, "pre_blur": 4.0, "contrast": 1.0, "softness": 4.0}
 EVIDENT = {**DRAWN, "evidence": 0.5, "soft_lines": 0.7, "soft_reach": 28.0}
 #: The same on a picture of 1080 lines: lines at full size, soft outlines and evidence at half of it.
-PARTLY = {**DRAWN, "sigma_m": 6.0, "sigma_c": 2.0, "pre_blur": 3.0}
+PARTLY = {**DRAWN, "sigma_m": 6.0, "sigma_c": 2.0, "pre_blur": 2.4}
 IN_PARTS = {"evidence": {"evidence": 1.0}, "soft outlines": {"soft_lines": 0.8, "soft_reach": 14.0}}
 GUIDED = {"sigma_s": 8.0, "sigma_r": 15.0}
 FBL = {"sigma_e": 8.0, "r_e": 15.0, "sigma_g": 8.0, "r_g": 10.0, "iterations": 3}
@@ -111,6 +112,7 @@ def test_auto_keeps_the_sigmas_of_passes_that_run(factor, sigma_e, sigma_g):
 def test_words_say_the_factor_whatever_the_lengths(word, factor):
     assert flow_factor(word, 3, 0) == lines_factor(word, 0.5) == regions_factor(word, 1, 1) == factor
     assert soft_edges_factor(word, 1) == evidence_factor(word, 0.5, 0) == factor
+    assert (step_along(word, 2.4), step_along(word, 2.5)) == (1, 1 if word == "full" else 2)
 
 
 def test_another_word_is_refused_with_the_nearest():
@@ -177,6 +179,12 @@ def test_what_works_smaller_than_the_lines_draws_those_of_the_full_size(picture,
     ink = (1 - full).mean()
     assert 0 < np.abs(auto - full).mean() <= 0.02 * ink
     assert np.abs(auto - full).mean() <= 0.5 * np.abs(without - full).mean(), "beside what the part does"
+
+
+def test_every_other_sample_along_the_flow_of_what_was_blurred_draws_the_same_lines(picture, flow):
+    params = {**PARTLY, "pre_blur": 2.5}
+    auto, full = (filters.fdog_iterative(picture, flow, **params, working_scale=each)[0] for each in ("auto", "full"))
+    assert 0 < np.abs(auto - full).mean() <= 0.003 * (1 - full).mean()
 
 
 def test_evidence_at_half_the_size_leaves_a_long_line_as_it_is():

@@ -17,7 +17,7 @@ from flowabs_nodes.filters.flow.flow_resolution import reduced_flow
 from flowabs_nodes.filters.lines.dog_line import across
 from flowabs_nodes.filters.lines.evidence import stretch, weakened
 from flowabs_nodes.filters.lines.soft_edges import SoftEdges
-from flowabs_nodes.filters.working_scale import READ_TWICE, evidence_factor, lines_factor, shortened_blur
+from flowabs_nodes.filters.working_scale import READ_TWICE, evidence_factor, lines_factor, shortened_blur, step_along
 from flowabs_nodes.sampling.exact_sums import exact_sum
 from flowabs_nodes.sampling.resolution import enlarged, reduced
 from flowabs_nodes.simd.bands import limited, over_rows
@@ -161,7 +161,7 @@ class Detector:
         factor = lines_factor(working_scale, sigma_c, passes, pre_blur)
         inner, outer = (shortened_blur(s, factor, READ_TWICE) for s in (sigma_c, gaussian.SURROUND * sigma_c))
         return cls(
-            weights=gaussian.half(sigma_m / factor),
+            weights=gaussian.every(step_along(working_scale, pre_blur / factor), gaussian.half(sigma_m / factor)),
             taps=gaussian.difference(inner, rho, outer),
             color_weight=validate.number("color_weight", color_weight, min=0, max=1e6),
             full=validate.choice("kernel", kernel, FDOG_KERNELS) == "full",

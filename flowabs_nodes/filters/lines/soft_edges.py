@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flowabs_nodes.array_types import Array, Float64
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import gaussian, validate
 from flowabs_nodes.filters.flow.flow_blur import along
 from flowabs_nodes.filters.flow.flow_resolution import reduced_flow
@@ -72,7 +72,9 @@ class SoftEdges:
     def missing(self, planes: Array, flow: Array) -> Array:
         """Return what to add to the sums across the flow (eq. 10) of planes (C, H, W) of code values, (C, H, W)."""
         small, flow = reduced_planes(planes, self.factor), reduced_flow(flow, self.factor)
-        found = along(self._found(small, flow), flow, _every_half_sigma(self.lengths.t), "bilinear")
+        t = self.lengths.t
+        weights = gaussian.every(max(1, round(t / 2)), gaussian.half(t))  # of what is as smooth as t
+        found = along(self._found(small, flow), flow, weights, "bilinear")
         return enlarged(found, self.factor, *planes.shape[1:])
 
     def _found(self, planes: Array, flow: Array) -> Array:
@@ -86,11 +88,3 @@ class SoftEdges:
         pictures = blurred.reshape(-1), PlanesShape(*blurred.shape), flow.reshape(-1).view(np.complex64)
         over_rows(missing_response, height, *pictures, self.model, found.reshape(-1), least=ROWS)
         return np.ascontiguousarray(found[..., :width])
-
-
-def _every_half_sigma(sigma: float) -> Float64:
-    """Return one side of G(sigma) with weights at steps of sigma / 2 alone: of what is smooth these are enough."""
-    weights = gaussian.half(sigma)
-    weights[np.arange(weights.size) % max(1, round(sigma / 2)) > 0] = 0
-    both: Float64 = weights / (2 * weights.sum() - weights[0])
-    return both
