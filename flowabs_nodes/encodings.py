@@ -139,6 +139,7 @@ class Encodings:
             made.codes[encoding] = read_only(colors)
         if mono:
             made.lightness[encoding] = read_only(lightness)
+        self.let_go(image)
 
     def _of(self, image: Image) -> _Made:
         """Return what has been computed from an image."""

@@ -146,3 +146,16 @@ def test_pixels_that_are_let_go_are_decoded_again_and_those_that_are_kept_are_no
     np.testing.assert_array_equal(smooth.pixels, expected)
     assert conversions == ["encoded", "decoded", "decoded"]
     encodings.let_go(picture())  # of which nothing has been computed
+
+
+def test_who_encodes_for_the_last_time_leaves_no_decoded_pixels(encodings, conversions):
+    image = picture()
+    smooth = image.with_codes(image.encoded("lab"), "lab")
+    encodings.keep(smooth, False)
+    codes = smooth.encoded("acescct")
+    assert smooth.pixels is not None
+    assert conversions == ["encoded", "decoded", "encoded", "decoded"], "the pixels were not held"
+    other = image.with_codes(image.encoded("lab"), "lab")
+    np.testing.assert_array_equal(other.encoded("acescct"), codes)
+    assert other.pixels is not None
+    assert conversions[-2:] == ["decoded", "encoded"], "kept: decoded once"

@@ -28,6 +28,18 @@ def half(sigma: float, steps: int | None = None) -> Float64:
     return weights / both
 
 
+def every(step: int, weights: Float64) -> Float64:
+    """Return one side's weights with those of the offsets 0, step, 2 step .. alone, which sum to 1 again on both sides.
+
+    Of what is smoother than ``step`` they make the same sum.
+    """
+    if step == 1:
+        return weights
+    kept = np.where(np.arange(weights.size) % step == 0, weights, 0)
+    both = 2 * float(kept.sum()) - float(kept[0])
+    return kept / both
+
+
 #: sigma_s / sigma_c in eq. 8: at 1.6 the difference of Gaussians is close to a Laplacian of Gaussian (Marr, Hildreth).
 SURROUND = 1.6
 

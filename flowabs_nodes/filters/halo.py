@@ -58,12 +58,13 @@ def soft_edges(soft_reach: float) -> int:
     return blur(t) + along(steps_across(soft_reach)) + flow_blur(t)
 
 
-def fdog(sigma_m: float, sigma_c: float, soft_reach: float | None = None, factor: int = 1) -> int:
+def fdog(sigma_m: float, sigma_c: float, soft_reach: float | None = None, factor: int = 1, soft_factor: int = 1) -> int:
     """Return the halo of eq. 6, or of eqs. 10 and 11: across the flow at every point along it.
 
-    ``soft_reach`` is None where soft edges are not looked for.
+    ``soft_reach`` is None where soft edges are not looked for; ``soft_factor`` reduces the picture that they are
+    measured in, if by more than ``factor``.
     """
-    return fdog_iterative(sigma_m, sigma_c, 1, 0, soft_reach, factor)
+    return fdog_iterative(sigma_m, sigma_c, 1, 0, soft_reach, factor, soft_factor)
 
 
 def fdog_iterative(
@@ -73,20 +74,22 @@ def fdog_iterative(
     pre_blur: float,
     soft_reach: float | None = None,
     factor: int = 1,
+    soft_factor: int = 1,
 ) -> int:
     """Return the halo of ``iterations`` passes of FDoG, each of a picture that is blurred first.
 
-    ``soft_reach`` is as in :func:`fdog`. What soft edges lack comes of the picture without ink.
+    ``soft_reach`` and ``soft_factor`` are as in :func:`fdog`. What soft edges lack comes of the picture without ink.
     """
     across = blur(pre_blur / factor) + along(dog(sigma_c / factor))
-    soft = 0 if soft_reach is None else soft_edges(soft_reach / factor)
+    further = max(soft_factor // factor, 1)
+    soft = 0 if soft_reach is None else _brought_up(soft_edges(soft_reach / (factor * further)), further)
     passes = iterations * flow_blur(sigma_m / factor) + (iterations - 1) * across + max(across, soft)
     return _brought_up(passes, factor)
 
 
 def evidence(sigma_m: float, evidence: float, factor: int = 1) -> int:
     """Return the halo of looking for evidence, on top of that of FDoG."""
-    return 0 if evidence == 0 else factor * flow_blur(LONGER * sigma_m / factor)
+    return 0 if evidence == 0 else _brought_up(flow_blur(LONGER * sigma_m / factor), factor)
 
 
 def stroke(min_length: float, taper: float) -> int:

@@ -43,6 +43,28 @@ def lines_factor(working_scale: str, sigma_c: float, passes: int = 1, pre_blur: 
     return _factor(working_scale, (sigma_c, 2.0), (together, 2.8))
 
 
+def step_along(working_scale: str, pre_blur: float) -> int:
+    """Return how many steps along the flow lie between the samples that responses are summed of: 1, or 2.
+
+    ``pre_blur`` is the blur of the picture in pixels of the size that is worked on. A Gaussian of 2.5 leaves less than
+    a thousandth of what is as fine as four pixels: samples at every other pixel have the same sum.
+    """
+    return 2 if working_scale != "full" and pre_blur >= 2.5 else 1
+
+
+def soft_edges_factor(working_scale: str, t: float) -> int:
+    """Return the factor of what soft edges lack; ``t`` is the blur of the picture in which they are measured."""
+    return _factor(working_scale, (t, 3.0))
+
+
+def evidence_factor(working_scale: str, sigma_c: float, pre_blur: float) -> int:
+    """Return the factor of looking for evidence, which blurs ink along the flow alone.
+
+    Across it ink is as wide as the Gaussians before the response, and must stay wider than a pixel.
+    """
+    return _factor(working_scale, (math.hypot(sigma_c, pre_blur), 1.4))
+
+
 def regions_factor(working_scale: str, sigma_e: float, sigma_g: float) -> int:
     """Return the factor of the flow-based bilateral filter; a pass of sigma 0 is left out, and asks for nothing."""
     return _factor(working_scale, (sigma_e or math.inf, 4.0), (sigma_g or math.inf, 2.0))

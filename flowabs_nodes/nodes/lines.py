@@ -14,7 +14,8 @@ import numpy as np
 from flowabs_nodes import filters
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import halo
-from flowabs_nodes.filters.working_scale import lines_factor
+from flowabs_nodes.filters.lines.soft_reach import lengths as soft_edge_lengths
+from flowabs_nodes.filters.working_scale import evidence_factor, lines_factor, soft_edges_factor
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.common_params import GROUND, SPACE
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
@@ -140,14 +141,20 @@ def _soft_reach(params: Mapping[str, Any]) -> float | None:
     return reach if params["soft_lines"] > 0 else None
 
 
+def _soft_factor(params: Mapping[str, Any]) -> int:
+    """Return the factor at which soft outlines are looked for."""
+    return soft_edges_factor(params["working_scale"], soft_edge_lengths(params["soft_reach"]).t)
+
+
 def _fdog_halo(params: Mapping[str, Any]) -> int:
     sigma_m, sigma_c = params["sigma_m"], params["sigma_c"]
     factor = lines_factor(params["working_scale"], sigma_c)
-    return halo.fdog(sigma_m, sigma_c, _soft_reach(params), factor) + _halo_after(params, factor)
+    return halo.fdog(sigma_m, sigma_c, _soft_reach(params), factor, _soft_factor(params)) + _halo_after(params, factor)
 
 
-def _halo_after(params: Mapping[str, Any], factor: int) -> int:
+def _halo_after(params: Mapping[str, Any], factor: int, pre_blur: float = 0.0) -> int:
     """Return the halo of what follows the response in both nodes."""
+    factor = max(factor, evidence_factor(params["working_scale"], params["sigma_c"], pre_blur))
     return halo.evidence(params["sigma_m"], params["evidence"], factor) + halo.flow_blur(params["smooth"])
 
 
@@ -182,16 +189,20 @@ def run_fdog_iterative(
     space: str,
     **fdog_iterative: Any,
 ) -> dict[str, Image]:
+    from flowabs_nodes.filters.lines.fdog_iterative import Passes  # what numba compiles is not imported to declare
+
     color_weight = 0.0 if fdog_iterative["form"] == "xdog" else color_weight
-    code = code_values(image, space, ground, color_weight)
-    lines, response = filters.fdog_iterative(code, flow.pixels, color_weight=color_weight, **fdog_iterative)
+    passes = Passes.checked(color_weight=color_weight, **fdog_iterative)
+    # Code values that nobody else wants are held by the filter alone, which lets go of them.
+    lines, response = passes.draw(code_values(image, space, ground, color_weight), flow.pixels)
     return outputs(image, smoothed(lines, flow, smooth, fdog_iterative["sampling"]), response, mask)
 
 
 def _fdog_iterative_halo(params: Mapping[str, Any]) -> int:
     lengths = params["sigma_m"], params["sigma_c"], params["iterations"], params["pre_blur"]
     factor = lines_factor(params["working_scale"], *lengths[1:])
-    return halo.fdog_iterative(*lengths, _soft_reach(params), factor) + _halo_after(params, factor)
+    passes = halo.fdog_iterative(*lengths, _soft_reach(params), factor, _soft_factor(params))
+    return passes + _halo_after(params, factor, params["pre_blur"])
 
 
 FDOG_ITERATIVE = Node(

@@ -51,7 +51,10 @@ EXPOSURE = Node(
 
 
 def run_shoulder(context: Context, image: Image, *, knee: float, headroom: float) -> Image:
-    return image.with_pixels(filters.shoulder(image.pixels, knee=knee, headroom=headroom))
+    def compress(rows: Array, first_row: int) -> Array:
+        return filters.shoulder(rows, knee=knee, headroom=headroom)
+
+    return with_operation(image, compress, context.node)
 
 
 SHOULDER = Node(

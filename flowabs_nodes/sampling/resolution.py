@@ -7,7 +7,7 @@ beyond the picture, its border is repeated. A pixel at full size lies between th
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from flowabs_nodes.array_types import Array, Float64
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.border import repeat_left, repeat_right
 from flowabs_nodes.simd.jit import inlined, kernel
-from flowabs_nodes.simd.lanes import LANES, Doubles, from_doubles, to_doubles
+from flowabs_nodes.simd.lanes import LANES, Doubles, from_doubles, splat_doubles, to_doubles
 from flowabs_nodes.simd.memory import load, store, store_pairs, store_quads
 
 #: Reduced pixels that the weights of a phase reach to each side of the one that a pixel lies in.
@@ -40,13 +40,47 @@ def reduced(picture: Array, factor: int, weights: Array | None = None) -> Array:
     small = np.empty((-(-height // factor), -(-width // factor), *picture.shape[2:]), np.float32)
     channels = small[0, 0].size
     blocks = small.reshape(small.shape[0], small.shape[1], channels)
-    over_rows(_reduce, small.shape[0], picture.reshape(height, width, channels), weights, factor, blocks)
+    if weights is None:
+        rows = picture.reshape(height, width * channels)
+        if rows.shape[1] < LANES:  # what is added never counts
+            rows = np.pad(rows, ((0, 0), (0, LANES - rows.shape[1])))
+        over_rows(_reduce, small.shape[0], rows, width, factor, blocks)
+    else:
+        over_rows(_reduce_weighted, small.shape[0], picture.reshape(height, width, channels), weights, factor, blocks)
     return small
 
 
 @kernel
-def _reduce(first: int, last: int, picture: Array, weights: Array | None, factor: int, blocks: Array) -> None:
-    """Write rows ``first`` .. ``last`` - 1 of the (weighted) means of blocks, (h, w, C); ``picture`` is (H, W, C)."""
+def _reduce(first: int, last: int, picture: Array, width: int, factor: int, blocks: Array) -> None:
+    """Write rows ``first`` .. ``last`` - 1 of the means of blocks, (h, w, C); ``picture`` has rows of W C numbers."""
+    (height, stride), (_, across, channels) = picture.shape, blocks.shape
+    columns = np.empty(max(stride, factor * across * channels))  # the sums of each column's pixels, border repeated
+    for j in range(first, last):
+        for x0 in range(0, stride, LANES):
+            x, total = min(x0, stride - LANES), splat_doubles(0.0)
+            for dy in range(factor):
+                total = total + to_doubles(load(picture[min(factor * j + dy, height - 1)], x))
+            store(columns, x, total)
+        repeat_right(columns, width * channels, factor * across - width, channels)
+        means_of_columns(columns, factor, blocks[j])
+
+
+@inlined
+def means_of_columns(columns: Float64, factor: int, means: Any) -> None:
+    """Write the means of blocks, (w, C), whose ``columns``, of C numbers each, have been summed."""
+    across, channels = means.shape
+    for c in range(channels):
+        for i in range(across):
+            k = factor * i * channels + c
+            total = columns[k] + columns[k + channels]
+            if factor == 4:
+                total += columns[k + 2 * channels] + columns[k + 3 * channels]
+            means[i, c] = total / (factor * factor)
+
+
+@kernel
+def _reduce_weighted(first: int, last: int, picture: Array, weights: Array, factor: int, blocks: Array) -> None:
+    """Write rows ``first`` .. ``last`` - 1 of the weighted means of blocks, (h, w, C); ``picture`` is (H, W, C)."""
     height, width, channels = picture.shape
     for j in range(first, last):
         for i in range(blocks.shape[1]):
@@ -56,13 +90,14 @@ def _reduce(first: int, last: int, picture: Array, weights: Array | None, factor
                     y = min(factor * j + dy, height - 1)
                     for dx in range(factor):
                         x = min(factor * i + dx, width - 1)
-                        if weights is None:
-                            total += np.float64(picture[y, x, c])
-                            count += 1.0
-                        else:
-                            total += np.float64(picture[y, x, c]) * weights[y, x]
-                            count += np.float64(weights[y, x])
+                        total += np.float64(picture[y, x, c]) * weights[y, x]
+                        count += np.float64(weights[y, x])
                 blocks[j, i, c] = total / count if count > 0 else 0.0
+
+
+def reduced_planes(planes: Array, factor: int) -> Array:
+    """Return planes (P, H, W) :func:`reduced`, (P, h, w)."""
+    return planes if factor == 1 else np.stack([reduced(plane, factor) for plane in planes])
 
 
 def cubic_phases(factor: int) -> Float64:
@@ -111,26 +146,28 @@ def planes_to_enlarge(planes: Array, phases: Float64) -> tuple[Array, Enlargemen
     return np.ascontiguousarray(planes), Enlargement(len(phases), phases, width, planes.shape[2])
 
 
-def enlarged(planes: Array, factor: int, height: int, width: int) -> Array:
+def enlarged(planes: Array, factor: int, height: int, width: int, first: int = 0, last: int | None = None) -> Array:
     """Return reduced planes brought up to full size by Catmull-Rom's cubic, (P, height, width) float32.
 
-    ``planes`` are (P, h, w) float32, h and w those of a picture of ``height`` x ``width`` that was :func:`reduced`.
+    ``planes`` are (P, h, w) float32, h and w those of a picture of ``height`` x ``width`` that was :func:`reduced`. Of
+    the result there are the rows ``first`` .. ``last`` - 1 alone, where these are given.
     """
+    last = height if last is None else last
     if factor == 1:
-        return planes
-    result = np.empty((len(planes), height, width), np.float32)
+        return planes[:, first:last]
+    result = np.empty((len(planes), last - first, width), np.float32)
     small, how = planes_to_enlarge(planes, cubic_phases(factor))
     for plane, large in zip(small, result, strict=True):
-        over_rows(_enlarge, height, plane, how, large)
+        over_rows(_enlarge, last - first, plane, how, first, large)
     return result
 
 
 @kernel
-def _enlarge(first: int, last: int, plane: Array, how: Enlargement, large: Array) -> None:
-    """Write rows ``first`` .. ``last`` - 1 of a plane brought up."""
+def _enlarge(first: int, last: int, plane: Array, how: Enlargement, start: int, large: Array) -> None:
+    """Write rows ``first`` .. ``last`` - 1 of ``large``, whose first row is row ``start`` of a plane brought up."""
     column, row = new_column(how), np.empty(how.factor * how.stride, np.float32)
     for y in range(first, last):
-        enlarge_row(plane, y, how, column, row)
+        enlarge_row(plane, start + y, how, column, row)
         for x in range(large.shape[1]):
             large[y, x] = row[x]
 

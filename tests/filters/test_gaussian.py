@@ -1,3 +1,5 @@
+import math
+
 import numpy as np
 import pytest
 
@@ -53,3 +55,13 @@ def test_a_difference_of_gaussians_keeps_1_minus_rho_of_a_constant(rho):
     centre, surround = gaussian.centre_and_surround(1.0)
     np.testing.assert_allclose(taps, centre - rho * surround, rtol=1e-15)
     assert whole(taps).sum() == pytest.approx(1 - rho, abs=1e-14)
+
+
+def test_every_other_weight_sums_to_one_and_keeps_the_variance():
+    whole = gaussian.half(4.0)
+    some = gaussian.every(2, whole)
+    assert not some[1::2].any()
+    assert math.isclose(2 * some.sum() - some[0], 1)
+    squares = np.arange(whole.size) ** 2
+    assert math.isclose(2 * (some * squares).sum(), 2 * (whole * squares).sum(), rel_tol=0.02)
+    assert gaussian.every(1, whole) is whole

@@ -10,12 +10,15 @@ from flowabs_nodes.choices import WORKING_SCALES
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters.working_scale import (
     PIXEL,
+    evidence_factor,
     flow_factor,
     guidance_factor,
     lines_factor,
     regions_factor,
     shortened_blur,
     shortened_range,
+    soft_edges_factor,
+    step_along,
 )
 
 #: The shipped cartoon's lengths on a picture of 2160 lines.
@@ -23,6 +26,9 @@ ETF = {"radius": 20.0, "pre_blur": 4.0, "gradient_reference": 4.0, "fill": 1.0}
 LINES = {"sigma_m": 12.0, "sigma_c": 4.0, "rho": 1.0, "color_weight": 0.5, "color_sign": True}
 DRAWN = {**LINES, "iterations": 2, "pre_blur": 4.0, "contrast": 1.0, "softness": 4.0}
 EVIDENT = {**DRAWN, "evidence": 0.5, "soft_lines": 0.7, "soft_reach": 28.0}
+#: The same on a picture of 1080 lines: lines at full size, soft outlines and evidence at half of it.
+PARTLY = {**DRAWN, "sigma_m": 6.0, "sigma_c": 2.0, "pre_blur": 2.4}
+IN_PARTS = {"evidence": {"evidence": 1.0}, "soft outlines": {"soft_lines": 0.8, "soft_reach": 14.0}}
 GUIDED = {"sigma_s": 8.0, "sigma_r": 15.0}
 FBL = {"sigma_e": 8.0, "r_e": 15.0, "sigma_g": 8.0, "r_g": 10.0, "iterations": 3}
 
@@ -82,6 +88,18 @@ def test_auto_keeps_more_blur_for_several_passes(factor, sigma_c, passes, pre_bl
     assert lines_factor("auto", sigma_c, passes, pre_blur) == factor
 
 
+@pytest.mark.parametrize(("factor", "t"), [(1, 5.9), (2, 6), (2, 23.9), (4, 24)])
+def test_auto_keeps_the_blur_of_the_picture_that_soft_edges_are_measured_in(factor, t):
+    assert soft_edges_factor("auto", t) == factor
+
+
+@pytest.mark.parametrize(
+    ("factor", "sigma_c", "pre_blur"), [(1, 1, 1.5), (1, 2.7, 0), (2, 2, 2), (2, 2.8, 0), (2, 9, 6.5), (4, 11.2, 0)]
+)
+def test_auto_keeps_ink_wider_than_a_pixel_where_evidence_is_looked_for(factor, sigma_c, pre_blur):
+    assert evidence_factor("auto", sigma_c, pre_blur) == factor
+
+
 @pytest.mark.parametrize(
     ("factor", "sigma_e", "sigma_g"),
     [(1, 7.9, 8), (1, 8, 3.9), (2, 8, 4), (2, 31.9, 16), (4, 32, 16), (2, 0, 4), (4, 32, 0), (1, 3, 0)],
@@ -93,6 +111,8 @@ def test_auto_keeps_the_sigmas_of_passes_that_run(factor, sigma_e, sigma_g):
 @pytest.mark.parametrize(("word", "factor"), [("full", 1), ("1/2", 2), ("1/4", 4)])
 def test_words_say_the_factor_whatever_the_lengths(word, factor):
     assert flow_factor(word, 3, 0) == lines_factor(word, 0.5) == regions_factor(word, 1, 1) == factor
+    assert soft_edges_factor(word, 1) == evidence_factor(word, 0.5, 0) == factor
+    assert (step_along(word, 2.4), step_along(word, 2.5)) == (1, 1 if word == "full" else 2)
 
 
 def test_another_word_is_refused_with_the_nearest():
@@ -148,6 +168,33 @@ def test_lines_are_those_of_the_full_size(full, auto):
         ink = (1 - full[name]).mean()
         assert np.abs(auto[name] - full[name]).mean() <= most * ink
     assert np.sqrt(np.mean((auto["fdog"] - full["fdog"]) ** 2)) <= 0.04 * full["fdog"].std()
+
+
+@pytest.mark.parametrize("part", IN_PARTS)
+def test_what_works_smaller_than_the_lines_draws_those_of_the_full_size(picture, flow, part):
+    params = {**PARTLY, **IN_PARTS[part]}
+    auto, full = (filters.fdog_iterative(picture, flow, **params, working_scale=each)[0] for each in ("auto", "full"))
+    without = filters.fdog_iterative(picture, flow, **PARTLY, working_scale="auto")[0]
+    np.testing.assert_array_equal(without, filters.fdog_iterative(picture, flow, **PARTLY)[0])
+    ink = (1 - full).mean()
+    assert 0 < np.abs(auto - full).mean() <= 0.02 * ink
+    assert np.abs(auto - full).mean() <= 0.5 * np.abs(without - full).mean(), "beside what the part does"
+
+
+def test_every_other_sample_along_the_flow_of_what_was_blurred_draws_the_same_lines(picture, flow):
+    params = {**PARTLY, "pre_blur": 2.5}
+    auto, full = (filters.fdog_iterative(picture, flow, **params, working_scale=each)[0] for each in ("auto", "full"))
+    assert 0 < np.abs(auto - full).mean() <= 0.003 * (1 - full).mean()
+
+
+def test_evidence_at_half_the_size_leaves_a_long_line_as_it_is():
+    y = np.mgrid[:60, :80][0]
+    code = (200 - 150 * np.exp(-(((y - 30.2) / 3) ** 2) / 2)).astype(np.float32)
+    flow = np.zeros((*code.shape, 2), np.float32)
+    flow[..., 0] = 1
+    params = {"sigma_m": 6.0, "sigma_c": 3.0, "rho": 1.0}
+    kept = filters.fdog(code, flow, **params, evidence=1.0, working_scale="auto")
+    np.testing.assert_allclose(kept, filters.fdog(code, flow, **params), rtol=1e-5, atol=1e-4)
 
 
 def test_flats_are_those_of_the_full_size(full, auto):

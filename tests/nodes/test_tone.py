@@ -5,6 +5,7 @@ import pytest
 
 from flowabs_nodes.engine.call_node import call_node
 from flowabs_nodes.errors import FlowabsError
+from flowabs_nodes.filters import shoulder
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context
 from flowabs_nodes.nodes.tone import EXPOSURE, QUANTIZE, SHOULDER
@@ -57,6 +58,14 @@ def test_the_shoulder_after_a_filter_and_under_alpha():
     np.testing.assert_array_equal(plain[..., 3], pixels[..., 3])
     assert plain[..., :3].max() < 0.5
     assert not plain[:, :4].any()
+
+
+def test_the_shoulder_after_a_filter_is_done_with_the_decoding():
+    image = Image.from_array(np.random.default_rng(2).uniform(0, 3, (70, 20, 3)).astype(np.float32))
+    filtered = image.with_codes(image.encoded("lab"), "lab")
+    compressed = call_node(SHOULDER, Context(), {"image": filtered}, {"headroom": 1.0})["image"]
+    assert compressed.deferred is not None
+    np.testing.assert_array_equal(compressed.pixels, shoulder(filtered.pixels, headroom=1.0))
 
 
 def test_a_shoulder_with_much_headroom_changes_next_to_nothing():

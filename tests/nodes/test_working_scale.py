@@ -100,3 +100,38 @@ def test_auto_follows_the_lengths_of_the_picture_that_is_filtered(scale, word):
     for auto, expected in zip(outputs("auto", scale), outputs(word, scale), strict=True):
         np.testing.assert_array_equal(auto, expected)
     assert not any(np.array_equal(*pair) for pair in zip(outputs("full", 1.0), outputs("1/2", 1.0), strict=True))
+
+
+#: Lengths at which the lines are drawn at full size, soft outlines and evidence looked for at half of it.
+SMALLER_IN_PARTS = {
+    "working_scale": "auto",
+    "sigma_m": 1.0,
+    "sigma_c": 1.5,
+    "color_weight": 1.0,
+    "contrast": 0.5,
+    "soft_lines": 1.0,
+    "soft_reach": 12.0,
+    "evidence": 1.0,
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "params"),
+    [
+        ("fdog", {**SMALLER_IN_PARTS, "sigma_c": 3.0}),
+        ("fdog_iterative", {**SMALLER_IN_PARTS, "iterations": 2, "pre_blur": 2.4}),
+        ("fdog_iterative", {**SMALLER_IN_PARTS, "iterations": 2, "pre_blur": 2.4, "evidence": 0.0}),
+    ],
+)
+def test_a_crop_to_the_region_has_the_bits_of_the_whole(name, params):
+    image = plate(height=60, width=420)
+    inputs = {"image": image, "flow": call_node(NODES["etf"], Context(), {"image": image}, {})["flow"]}
+    whole = call_node(NODES[name], Context(), inputs, params)
+    for window in (Window(203, 17, 9, 5), Window(204, 0, 1, 60)):
+        regions = NODES[name].region(NODES[name].defaults() | params, window)
+        region = regions["image"]
+        assert 60 < window.x - region.x < window.x, "some of the picture is beyond"
+        left, right = region.x, region.x + region.width
+        crop = {each: picture.on_window(Window(left, 0, right - left, 60)) for each, picture in inputs.items()}
+        for output, part in call_node(NODES[name], Context(), crop, params).items():
+            np.testing.assert_array_equal(part.on_window(window).pixels, whole[output].on_window(window).pixels)

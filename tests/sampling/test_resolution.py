@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from flowabs_nodes.sampling.resolution import enlarged, reduced
+from flowabs_nodes.sampling.resolution import enlarged, reduced, reduced_planes
 from flowabs_nodes.simd import bands
 from tests.naive import resolution as naive
 
@@ -41,6 +41,22 @@ def test_enlarged_is_the_cubic_at_every_pixel(shape, factor):
     assert large.dtype == np.float32
     for plane, result in zip(planes, large, strict=True):
         np.testing.assert_allclose(result, naive.enlarged(plane, factor, *shape), rtol=1e-5, atol=1e-3)
+
+
+@pytest.mark.parametrize("factor", [1, *FACTORS])
+def test_some_rows_of_the_enlarged_are_those_of_all(factor):
+    planes = noise((2, *small_size((23, 34), factor)))
+    whole = enlarged(planes, factor, 23, 34)
+    for first, last in ((0, 23), (0, 1), (5, 18), (22, 23)):
+        np.testing.assert_array_equal(enlarged(planes, factor, 23, 34, first, last), whole[:, first:last])
+
+
+@pytest.mark.parametrize("factor", FACTORS)
+def test_reduced_planes_are_those_of_each(factor):
+    planes = noise((3, 23, 34))
+    for small, plane in zip(reduced_planes(planes, factor), planes, strict=True):
+        np.testing.assert_array_equal(small, reduced(plane, factor))
+    assert reduced_planes(planes, 1) is planes
 
 
 def test_a_factor_of_1_changes_nothing():

@@ -32,10 +32,15 @@ P = {
 
 
 class Plate:
-    """A picture and the results of earlier stages on it, each computed on first use."""
+    """A picture and the results of earlier stages on it, each computed on first use.
 
-    def __init__(self, rgb: Array) -> None:
+    ``corner_of`` is the width and height of the picture that it is the upper left corner of, where it is one: graphs
+    scale their lengths to that.
+    """
+
+    def __init__(self, rgb: Array, corner_of: tuple[int, int] | None = None) -> None:
         self.rgb = rgb
+        self.corner_of = corner_of
 
     @cached_property
     def codes(self) -> Array:
@@ -82,7 +87,12 @@ class Plate:
         """Return the picture as a graph gets it, with no code values computed yet."""
         from flowabs_nodes.image import Image
 
-        return Image.from_array(self.rgb)
+        image = Image.from_array(self.rgb)
+        if self.corner_of is None:
+            return image
+        spec = image.spec
+        spec.full_width, spec.full_height = self.corner_of
+        return Image(image.pixels, spec, image.type, colorspace=image.colorspace)
 
 
 @dataclass(frozen=True)

@@ -8,21 +8,22 @@ from __future__ import annotations
 
 import numpy as np
 
-from flowabs_nodes.array_types import Array
+from flowabs_nodes.array_types import Array, Complex64
 from flowabs_nodes.filters.flow.gradient import half_angle
 from flowabs_nodes.sampling.resolution import (
     Enlargement,
     cubic_phases,
     enlarge_row,
+    means_of_columns,
     new_column,
     planes_to_enlarge,
-    reduced,
 )
+from flowabs_nodes.sampling.tile_cache import pad_width
 from flowabs_nodes.simd.bands import over_rows
+from flowabs_nodes.simd.border import repeat_right
 from flowabs_nodes.simd.jit import kernel
-from flowabs_nodes.simd.lanes import LANES, any_lane, from_doubles, to_doubles
-from flowabs_nodes.simd.memory import load, store_pairs
-from flowabs_nodes.simd.pixelwise import as_picture, as_run, empty_run, first_pixel, over_pixels
+from flowabs_nodes.simd.lanes import LANES, any_lane, from_doubles, select, splat_doubles, to_doubles
+from flowabs_nodes.simd.memory import load, load_pairs, store, store_pairs
 
 
 def reduced_flow(flow: Array, factor: int) -> Array:
@@ -30,12 +31,39 @@ def reduced_flow(flow: Array, factor: int) -> Array:
     if factor == 1:
         return flow
     height, width = flow.shape[:2]
-    doubled = np.empty((2, height, width), np.float32)
-    over_rows(_double, height, flow, doubled)
-    c, s = (as_run(reduced(plane, factor)) for plane in doubled)
-    small = empty_run(c.size, 2)
-    over_pixels(_halve, c.size, c, s, small)
-    return as_picture(small, -(-height // factor), -(-width // factor), 2)
+    size = -(-height // factor), -(-width // factor)
+    tangents = pad_width(flow, 1).view(np.complex64)[..., 0]
+    small = np.empty((size[0], max(size[1], LANES), 2), np.float32)
+    over_rows(_reduce_flow, size[0], tangents, width, factor, size[1], small.reshape(size[0], -1))
+    return np.ascontiguousarray(small[:, : size[1]])
+
+
+@kernel
+def _reduce_flow(first: int, last: int, flow: Complex64, width: int, factor: int, across: int, small: Array) -> None:
+    """Write rows ``first`` .. ``last`` - 1 of the mean directions of ``across`` blocks each, as pairs of a row.
+
+    ``flow`` has (H, stride) tangents, of which the first ``width`` of a row are its own.
+    """
+    (height, stride), blocks = flow.shape, max(across, LANES)
+    columns, means = np.zeros((2, max(stride, factor * blocks))), np.empty((2, blocks, 1))
+    for j in range(first, last):
+        for x0 in range(0, stride, LANES):
+            x, c, s = min(x0, stride - LANES), splat_doubles(0.0), splat_doubles(0.0)
+            for dy in range(factor):
+                tx, ty = load_pairs(flow[min(factor * j + dy, height - 1)], x)
+                tx, ty = to_doubles(tx), to_doubles(ty)
+                length = tx * tx + ty * ty
+                over = select(length > 0.0, 1.0 / length, 0.0)
+                c, s = c + (tx * tx - ty * ty) * over, s + 2.0 * tx * ty * over
+            store(columns[0], x, c)
+            store(columns[1], x, s)
+        for k in range(2):
+            repeat_right(columns[k], width, factor * across - width, 1)
+            means_of_columns(columns[k], factor, means[k])
+        for x0 in range(0, blocks, LANES):
+            x = min(x0, blocks - LANES)
+            tx, ty = half_angle(load(means[0, :, 0], x), load(means[1, :, 0], x))
+            store_pairs(small[j], 2 * x, (from_doubles(tx), from_doubles(ty)))
 
 
 @kernel
@@ -48,15 +76,6 @@ def _double(first: int, last: int, flow: Array, doubled: Array) -> None:
             over = 1.0 / length if length > 0 else 0.0
             doubled[0, y, x] = (tx * tx - ty * ty) * over
             doubled[1, y, x] = 2.0 * tx * ty * over
-
-
-@kernel
-def _halve(first: int, last: int, c: Array, s: Array, flow: Array) -> None:
-    """Write the unit tangents at half the angle of (c, s), in blocks ``first`` .. ``last`` - 1 of sixteen pixels."""
-    for block in range(first, last):
-        i = first_pixel(block, c.size)
-        x, y = half_angle(to_doubles(load(c, i)), to_doubles(load(s, i)))
-        store_pairs(flow, 2 * i, (from_doubles(x), from_doubles(y)))
 
 
 def enlarged_flow(flow: Array, factor: int, height: int, width: int) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -16,9 +17,10 @@ from flowabs_nodes.filters.flow.flow_resolution import reduced_flow
 from flowabs_nodes.filters.lines.dog_line import across
 from flowabs_nodes.filters.lines.evidence import stretch, weakened
 from flowabs_nodes.filters.lines.soft_edges import SoftEdges
-from flowabs_nodes.filters.working_scale import READ_TWICE, lines_factor, shortened_blur
+from flowabs_nodes.filters.working_scale import READ_TWICE, evidence_factor, lines_factor, shortened_blur, step_along
 from flowabs_nodes.sampling.exact_sums import exact_sum
 from flowabs_nodes.sampling.resolution import enlarged, reduced
+from flowabs_nodes.simd.bands import limited, over_rows, rows_worth_a_call
 from flowabs_nodes.simd.elementary import LOG2_E, exp2_of_negative
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import Floats, absolute, maximum, minimum, select, splat_floats, sqrt
@@ -108,7 +110,13 @@ def fdog(
     detector = Detector.checked(sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign, working_scale)
     evidence = validate.number("evidence", evidence, min=0, max=1)
     soft = SoftEdges.checked(
-        soft_lines, soft_reach, sigma_c=sigma_c, rho=rho, color_weight=color_weight, factor=detector.factor
+        soft_lines,
+        soft_reach,
+        sigma_c=sigma_c,
+        rho=rho,
+        color_weight=color_weight,
+        working_scale=working_scale,
+        factor=detector.factor,
     )
     planes, small_flow = detector.reduced(code, flow)
     missing = None if soft is None else soft.missing(planes, small_flow)
@@ -127,6 +135,7 @@ class Detector:
     color_sign: bool
     sigma_m: float  # of the size that is worked on
     factor: int  # by which the picture is reduced, and lengths are shortened
+    evidence_factor: int  # and by which evidence is looked for
 
     @classmethod
     def checked(
@@ -152,7 +161,7 @@ class Detector:
         factor = lines_factor(working_scale, sigma_c, passes, pre_blur)
         inner, outer = (shortened_blur(s, factor, READ_TWICE) for s in (sigma_c, gaussian.SURROUND * sigma_c))
         return cls(
-            weights=gaussian.half(sigma_m / factor),
+            weights=gaussian.every(step_along(working_scale, pre_blur / factor), gaussian.half(sigma_m / factor)),
             taps=gaussian.difference(inner, rho, outer),
             color_weight=validate.number("color_weight", color_weight, min=0, max=1e6),
             full=validate.choice("kernel", kernel, FDOG_KERNELS) == "full",
@@ -160,6 +169,7 @@ class Detector:
             color_sign=validate.flag("color_sign", color_sign),
             sigma_m=sigma_m / factor,
             factor=factor,
+            evidence_factor=max(factor, evidence_factor(working_scale, sigma_c, pre_blur)),
         )
 
     def reduced(self, code: Array, flow: Array) -> tuple[Array, Array]:
@@ -180,27 +190,40 @@ class Detector:
         ``size`` is H and W: those of the planes, or of the full picture, to which H is brought up. ``missing``, (C, h,
         w), is added to the sums across the flow.
         """
-        responses = self._of_channels(planes, flow, missing)
-        response = self._joined(self._brought_up(responses, size))
-        if evidence == 0:
-            return response
-        small = response if size == responses.shape[1:] else self._joined(responses)
-        along_it = self._brought_up(stretch(small, flow, self.sigma_m)[None], size)[0]
-        return weakened(response, along_it, evidence)
-
-    def _brought_up(self, planes: Array, size: tuple[int, ...]) -> Array:
-        """Return planes (C, h, w), brought up if ``size`` is that of the full picture."""
-        return planes if size == planes.shape[1:] else enlarged(planes, self.factor, *size)
-
-    def _of_channels(self, planes: Array, flow: Array, missing: Array | None) -> Array:
-        """Return the response of each channel, (C, h, w)."""
         if self.full:
             responses = exact_sum(planes, flow, self.taps, self.weights, self.sampling)  # eq. 6
-            return responses if missing is None else responses + along(missing, flow, self.weights, self.sampling)
-        sums = across(planes, flow, self.taps)  # eq. 10
-        if missing is not None:
-            sums += missing
-        return along(sums, flow, self.weights, self.sampling)  # eq. 11
+            if missing is not None:
+                responses += along(missing, flow, self.weights, self.sampling)
+        else:
+            sums = across(planes, flow, self.taps)  # eq. 10
+            del planes
+            if missing is not None:
+                sums += missing
+            responses = along(sums, flow, self.weights, self.sampling)  # eq. 11
+            del sums
+        at_work = size == responses.shape[1:]
+        if at_work or evidence > 0:
+            joined = self._joined(responses)
+        if at_work and evidence == 0:
+            return joined
+        if at_work:
+            del responses  # whose memory serves what follows
+        if evidence > 0:
+            found = stretch(joined, flow, self.sigma_m, self.evidence_factor // self.factor)
+        response = np.empty(size, np.float32)
+
+        def band(first: int, last: int) -> None:
+            """Compute the rows ``first`` .. ``last`` - 1: so little is held at full size."""
+            with limited(1):  # the bands are what threads share
+                brought_up = partial(enlarged, height=size[0], width=size[1], first=first, last=last)
+                rows = joined[first:last] if at_work else self._joined(brought_up(responses, self.factor))
+                if evidence > 0:
+                    ink, along_it = (brought_up(plane[None], self.evidence_factor)[0] for plane in found)
+                    rows = weakened(rows, ink, along_it, evidence)
+                response[first:last] = rows
+
+        over_rows(band, size[0], least=rows_worth_a_call(size[1]))
+        return response
 
     def _joined(self, responses: Array) -> Array:
         """Return H, (H, W), of the channels' responses (C, H, W) before evidence is asked for."""

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
 import numpy as np
 import numpy.typing as npt
 
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.choices import FORMS
-from flowabs_nodes.filters import validate
-from flowabs_nodes.filters.gaussian_blur import blur
+from flowabs_nodes.filters import gaussian, validate
+from flowabs_nodes.filters.gaussian_blur import separable
 from flowabs_nodes.filters.lines.fdog import Detector
 from flowabs_nodes.filters.lines.soft_edges import SoftEdges
 from flowabs_nodes.filters.lines.threshold import threshold
@@ -74,47 +78,119 @@ def fdog_iterative(
     ArgumentError
         For another shape or dtype, pixels that are not finite, or a parameter out of range.
     """
-    code = validate.plane_or_planes("code", code, summed=True)
-    flow = validate.flow_field(flow, code.shape)
-    is_xdog = validate.choice("form", form, FORMS) == "xdog"
-    rho = xdog_rho(p) if is_xdog else rho
-    iterations = validate.whole("iterations", iterations, min=1)
-    pre_blur = validate.number("pre_blur", pre_blur, min=0, max=10_000)
-    detector = Detector.checked(
-        sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign, working_scale, iterations, pre_blur
-    )
-    soft = SoftEdges.checked(
+    passes = Passes.checked(
+        sigma_m,
+        sigma_c,
+        rho,
+        color_weight,
+        kernel,
+        sampling,
+        tau,
+        contrast,
+        softness,
+        iterations,
+        pre_blur,
+        form,
+        p,
+        epsilon,
+        phi,
+        color_sign,
+        evidence,
         soft_lines,
         soft_reach,
-        sigma_c=sigma_c,
-        rho=rho,
-        color_weight=color_weight,
-        pre_blur=pre_blur,
-        factor=detector.factor,
+        working_scale,
     )
-    evidence = 0.0 if is_xdog else validate.number("evidence", evidence, min=0, max=1)
+    return passes.draw(code, flow)
 
-    sigma = pre_blur / detector.factor
-    original, small_flow = detector.reduced(code, flow)
 
-    def draw(planes: Array, size: tuple[int, ...], evidence: float = 0.0) -> tuple[Array, Array]:
-        """Return lines and response of one pass, of the size that is worked on or of the full one."""
-        if sigma > 0:
-            blurred = np.empty_like(planes)
-            for plane, result in zip(planes, blurred, strict=True):
-                result[:] = blur(plane, sigma)
-            planes = blurred
-        response = detector.response(planes, small_flow, size, missing, evidence)
+@dataclass(frozen=True)
+class Passes:
+    """The passes of iterative FDoG with their parameters checked."""
+
+    detector: Detector
+    soft: SoftEdges | None
+    lines_of: Callable[[Array], tuple[Array, Array]]  # a response H: lines, and the response that they come from
+    iterations: int
+    pre_blur: float  # sigma in pixels of the size that is worked on
+    evidence: float
+
+    @classmethod
+    def checked(
+        cls,
+        sigma_m: float,
+        sigma_c: float,
+        rho: float,
+        color_weight: float,
+        kernel: str,
+        sampling: str,
+        tau: float,
+        contrast: float | None,
+        softness: float,
+        iterations: int,
+        pre_blur: float,
+        form: str,
+        p: float,
+        epsilon: float,
+        phi: float,
+        color_sign: bool,
+        evidence: float,
+        soft_lines: float,
+        soft_reach: float,
+        working_scale: str,
+    ) -> Passes:
+        """Return the passes with the parameters of :func:`fdog_iterative`; raise ArgumentError for a bad one."""
+        is_xdog = validate.choice("form", form, FORMS) == "xdog"
+        rho = xdog_rho(p) if is_xdog else rho
+        iterations = validate.whole("iterations", iterations, min=1)
+        pre_blur = validate.number("pre_blur", pre_blur, min=0, max=10_000)
+        detector = Detector.checked(
+            sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign, working_scale, iterations, pre_blur
+        )
+        soft = SoftEdges.checked(
+            soft_lines,
+            soft_reach,
+            sigma_c=sigma_c,
+            rho=rho,
+            color_weight=color_weight,
+            pre_blur=pre_blur,
+            working_scale=working_scale,
+            factor=detector.factor,
+        )
+        evidence = 0.0 if is_xdog else validate.number("evidence", evidence, min=0, max=1)
         if is_xdog:
-            return xdog(response, p, epsilon, phi)
-        return threshold(response, tau, contrast, softness), response
+            lines_of = partial(xdog, p=p, epsilon=epsilon, phi=phi)
+        else:
+            lines_of = partial(_below, tau=tau, contrast=contrast, softness=softness)
+        return cls(detector, soft, lines_of, iterations, pre_blur / detector.factor, evidence)
 
-    missing = None if soft is None else soft.missing(original, small_flow)
-    picture = original
-    for _ in range(iterations - 1):
-        lines, _ = draw(picture, original.shape[1:])
-        picture = _inked(original, lines)
-    return draw(picture, code.shape[:2], evidence)
+    def draw(self, code: npt.ArrayLike, flow: npt.ArrayLike) -> tuple[Array, Array]:
+        """Return what :func:`fdog_iterative` does. Of ``code`` nothing is held once it is reduced or laid out."""
+        code = validate.plane_or_planes("code", code, summed=True)
+        flow, size = validate.flow_field(flow, code.shape), code.shape[:2]
+        original, flow = self.detector.reduced(code, flow)
+        del code
+        missing, lines = None if self.soft is None else self.soft.missing(original, flow), None
+        for _ in range(self.iterations - 1):
+            seen = original.shape[1:]
+            lines, _ = self.lines_of(self.detector.response(self._seen(original, lines), flow, seen, missing))
+        response = self.detector.response(self._seen(original, lines), flow, size, missing, self.evidence)
+        del original, missing, lines
+        return self.lines_of(response)
+
+    def _seen(self, original: Array, lines: Array | None) -> Array:
+        """Return the planes (C, H, W) that a pass filters: the original under the ink of ``lines``, and blurred."""
+        if lines is None and self.pre_blur == 0:
+            return original
+        picture = original.copy() if lines is None else _inked(original, lines)
+        if self.pre_blur > 0:
+            for plane in picture:
+                plane[:] = separable(plane, gaussian.half(self.pre_blur))
+        return picture
+
+
+def _below(response: Array, tau: float, contrast: float | None, softness: float) -> tuple[Array, Array]:
+    """Return the lines of a response, and the response."""
+    return threshold(response, tau, contrast, softness), response
 
 
 def _inked(original: Array, lines: Array) -> Array:

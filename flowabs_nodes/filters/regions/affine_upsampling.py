@@ -49,29 +49,49 @@ def upsampled(
     covered
         Coverage reduced, (h, w): what each reduced pixel counts. None is 1 everywhere.
     """
+    return applied(fitted(small, smoothed, covered), codes, factor, alpha)
+
+
+def fitted(small: Array, smoothed: Array, covered: Array | None) -> Array:
+    """Return a of the three channels and then b, (6, h, w), for :func:`applied`; all are as in :func:`upsampled`."""
+    height, width, _ = small.shape
+    beyond = max(1, LANES + 1 - width)  # columns to the right: rows have at least sixteen pixels
+    around = np.empty((6, height + 2, 1 + width + beyond), np.float32)
+
+    def lay_out(first: int, last: int) -> None:
+        """Copy rows as planes; the border is repeated at both sides."""
+        rows = around[:, 1 + first : 1 + last]
+        rows[:3, :, 1 : 1 + width] = np.moveaxis(small[first:last], 2, 0)
+        rows[3:, :, 1 : 1 + width] = np.moveaxis(smoothed[first:last], 2, 0)
+        rows[..., 0], rows[..., 1 + width :] = rows[..., 1], rows[..., width, None]
+
+    over_rows(lay_out, height)
+    around[:, 0], around[:, -1] = around[:, 1], around[:, -2]
+    counts = np.ones((height, width), np.float32) if covered is None else covered
+    weights = np.ascontiguousarray(np.pad(counts, ((1, 1), (1, beyond)), "edge"))
+    lines = np.empty((6, height, around.shape[2] - 2), np.float32)
+    over_rows(_fit, height, around, weights, lines)
+    return np.ascontiguousarray(lines[..., :width])
+
+
+def applied(
+    lines: Array, codes: Array, factor: int, alpha: Array | None, first: int = 0, last: int | None = None
+) -> Array:
+    """Return a x + b at full size, x being ``codes``, for the rows ``first`` .. ``last`` - 1 of the picture, or all.
+
+    ``codes`` and ``alpha`` are the whole picture's.
+    """
+    codes, alpha = codes[first:last], None if alpha is None else alpha[first:last]
     height, width = codes.shape[:2]
-    lines, how = planes_to_enlarge(_fitted(small, smoothed, covered), linear_phases(factor))
+    small, how = planes_to_enlarge(lines, linear_phases(factor))
     beside = max(0, LANES - width)  # columns that are cut off again
     if beside:
         codes = np.pad(codes, ((0, 0), (0, beside), (0, 0)))
         alpha = None if alpha is None else np.pad(alpha, ((0, 0), (0, beside)))
     result = np.empty_like(codes)
     shares = None if alpha is None else alpha.reshape(-1)
-    over_rows(_apply, height, codes.reshape(-1), shares, lines, how, result.reshape(-1), codes.shape[1])
+    over_rows(_apply, height, codes.reshape(-1), shares, small, how, first, result.reshape(-1), codes.shape[1])
     return np.ascontiguousarray(result[:, :width])
-
-
-def _fitted(small: Array, smoothed: Array, covered: Array | None) -> Array:
-    """Return a of the three channels and then b, (6, h, w)."""
-    height, width, _ = small.shape
-    rim = ((1, 1), (1, max(1, LANES + 1 - width)))  # the border repeated, rows of at least sixteen pixels
-    planes = np.concatenate([np.moveaxis(small, 2, 0), np.moveaxis(smoothed, 2, 0)])
-    around = np.ascontiguousarray(np.pad(planes, ((0, 0), *rim), "edge"))
-    counts = np.ones((height, width), np.float32) if covered is None else covered
-    weights = np.ascontiguousarray(np.pad(counts, rim, "edge"))
-    lines = np.empty((6, height, around.shape[2] - 2), np.float32)
-    over_rows(_fit, height, around, weights, lines)
-    return np.ascontiguousarray(lines[..., :width])
 
 
 @kernel
@@ -106,13 +126,24 @@ def _fit(first: int, last: int, planes: Array, weights: Array, lines: Array) -> 
 
 @kernel
 def _apply(
-    first: int, last: int, codes: Array, alpha: Array | None, lines: Array, how: Enlargement, result: Array, stride: int
+    first: int,
+    last: int,
+    codes: Array,
+    alpha: Array | None,
+    lines: Array,
+    how: Enlargement,
+    start: int,
+    result: Array,
+    stride: int,
 ) -> None:
-    """Write a x + b of rows ``first`` .. ``last`` - 1. ``codes`` and ``result`` are (H, stride, 3), flattened."""
+    """Write a x + b of rows ``first`` .. ``last`` - 1, of which row 0 is row ``start`` of the picture.
+
+    ``codes`` and ``result`` are (H, stride, 3), flattened.
+    """
     column, rows = new_column(how), np.empty((6, how.factor * how.stride), np.float32)
     for y in range(first, last):
         for p in range(6):
-            enlarge_row(lines[p], y, how, column, rows[p])
+            enlarge_row(lines[p], start + y, how, column, rows[p])
         for x0 in range(0, stride, LANES):
             x = min(x0, stride - LANES)
             pixel = y * stride + x

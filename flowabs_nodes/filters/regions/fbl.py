@@ -7,9 +7,9 @@ import numpy.typing as npt
 
 from flowabs_nodes.array_types import Array, Int32
 from flowabs_nodes.choices import SAMPLINGS
-from flowabs_nodes.filters import validate
+from flowabs_nodes.filters import gaussian, validate
 from flowabs_nodes.filters.flow.flow_resolution import reduced_flow
-from flowabs_nodes.filters.regions.affine_upsampling import upsampled
+from flowabs_nodes.filters.regions.affine_upsampling import applied, fitted
 from flowabs_nodes.filters.regions.bilateral_line import line_pass
 from flowabs_nodes.filters.regions.range_weights import (
     Pass,
@@ -47,7 +47,7 @@ from flowabs_nodes.sampling.streamline import (
     start,
     turn,
 )
-from flowabs_nodes.simd.bands import over_rows
+from flowabs_nodes.simd.bands import over_rows, thread_count
 from flowabs_nodes.simd.jit import kernel
 from flowabs_nodes.simd.lanes import LANES
 from flowabs_nodes.simd.memory import load, scratch
@@ -118,10 +118,11 @@ def fbl(
         small, small_flow = reduced(codes, factor, covered), reduced_flow(flow, factor)
         sigmas, ranges = (sigma_e / factor, sigma_g / factor), [shortened_range(r, factor) for r in (r_e, r_g)]
         smoothed = fbl(small, small_flow, sigmas[0], ranges[0], sigmas[1], ranges[1], iterations, sampling, share)
-        codes = upsampled(codes, small, smoothed, factor, covered, share)
-        del small, small_flow, smoothed
+        del small_flow
+        lines = fitted(small, smoothed, share)
+        del small, smoothed
         # Edges have their sharpness from the picture, and with it their grain: a short pass along them takes it out.
-        sigma_e, sigma_g, iterations = min(sigma_e, factor), 0.0, 1
+        return _along_edges(codes, lines, factor, flow, min(sigma_e, factor), r_e, bilinear, covered)
 
     raster = raster_of(codes)
     passes = []
@@ -132,6 +133,34 @@ def fbl(
     picture = as_records(codes, covered, raster)
     del codes  # gives the passes this memory if the caller does not hold it either
     return run_passes(picture, raster, passes, iterations)
+
+
+def _along_edges(
+    codes: Array, lines: Array, factor: int, flow: Array, sigma: float, r: float, bilinear: bool, alpha: Array | None
+) -> Array:
+    """Return the picture at full size (H, W, 3) that ``lines`` make of ``codes``, after a pass C_e.
+
+    It is done in bands of rows with what the pass reads around them, so that little is held at full size.
+    """
+    if sigma == 0:
+        return applied(lines, codes, factor, alpha)
+    height, halo, step = codes.shape[0], gaussian.radius(sigma) + 1, 32 * max(4, thread_count())
+    result = np.empty_like(codes)
+    for first in range(0, height, step):
+        last = min(first + step, height)
+        top, bottom = max(first - halo, 0), min(last + halo, height)
+        covered = None if alpha is None else alpha[top:bottom]
+        band = applied(lines, codes, factor, alpha, top, bottom)
+        raster = raster_of(band)
+        along = _pass_along(flow[top:bottom], sigma, r, bilinear, covered, raster, again=False)
+        smoothed = run_passes(as_records(band, covered, raster), raster, [along], 1)
+        made, rows = result[first:last], smoothed[first - top : last - top]
+
+        def copy(begin: int, end: int, made: Array = made, rows: Array = rows) -> None:
+            made[begin:end] = rows[begin:end]
+
+        over_rows(copy, last - first)
+    return result
 
 
 def _pass_along(

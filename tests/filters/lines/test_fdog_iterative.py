@@ -1,10 +1,21 @@
+import inspect
+import weakref
+
 import numpy as np
 import pytest
 
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import fdog, fdog_iterative, threshold
+from flowabs_nodes.filters.lines.fdog import Detector
+from flowabs_nodes.filters.lines.fdog_iterative import Passes
 from tests.filters.flows import cases
 from tests.naive import fdog as naive
+
+DEFAULTS = {
+    name: each.default
+    for name, each in inspect.signature(fdog_iterative).parameters.items()
+    if each.default is not inspect.Parameter.empty
+}
 
 SOFT = {"rho": 1.0, "contrast": 1.5, "softness": 4.0}
 
@@ -68,3 +79,23 @@ def test_errors_name_the_argument(arguments, parameter):
     with pytest.raises(ArgumentError, match=parameter) as error:
         fdog_iterative(**({"code": np.zeros((4, 5)), "flow": np.zeros((4, 5, 2))} | arguments))
     assert error.value.parameter == parameter
+
+
+@pytest.mark.parametrize("scale", ["full", "1/2"])
+def test_code_values_that_nobody_else_holds_are_let_go_before_the_first_pass(scale, monkeypatch):
+    _, flow = cases()["noise"]
+    held = []
+
+    def code():
+        held.append(weakref.ref(made := np.full((*flow.shape[:2], 3), np.float32(9))))
+        return made
+
+    def response(*arguments):
+        assert held[0]() is None
+        return original(*arguments)
+
+    original = Detector.response
+    monkeypatch.setattr(Detector, "response", response)
+    passes = Passes.checked(**DEFAULTS | {"color_weight": 1.0, "working_scale": scale})
+    lines, _ = passes.draw(code(), flow)
+    assert lines.shape == flow.shape[:2]

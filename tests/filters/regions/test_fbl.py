@@ -191,3 +191,14 @@ def test_walks_that_are_written_down_lead_to_the_same_pixels(sigma_e, shape, len
     smooth = fbl(image, flow, sigma_e, 50, 0, iterations=2)
     monkeypatch.setattr("flowabs_nodes.sampling.chain_code.MOST_STEPS", 0)
     np.testing.assert_array_equal(smooth, fbl(image, flow, sigma_e, 50, 0, iterations=2))
+
+
+@pytest.mark.parametrize("alpha", [None, np.random.default_rng(5).uniform(0, 1, (300, 37)).round(1)])
+def test_bands_of_a_picture_brought_up_have_the_bits_of_the_whole(alpha, monkeypatch):
+    rng = np.random.default_rng(4)
+    codes = rng.uniform(0, 255, (300, 37, 3)).astype(np.float32)
+    flow = random_flow((300, 37), 6)
+    params = {"sigma_e": 3.0, "sigma_g": 1.0, "iterations": 2, "alpha": alpha, "working_scale": "1/2"}
+    in_bands = fbl(codes, flow, **params)
+    monkeypatch.setattr("flowabs_nodes.filters.regions.fbl.thread_count", lambda: 10_000)
+    np.testing.assert_array_equal(in_bands, fbl(codes, flow, **params))
