@@ -55,12 +55,22 @@ def soft_edges(soft_reach: float) -> int:
     return blur(t) + along(steps_across(soft_reach)) + flow_blur(t)
 
 
-def fdog(sigma_m: float, sigma_c: float, soft_reach: float | None = None, factor: int = 1) -> int:
+def _thin_lines(width: float) -> int:
+    """Return the halo of bright lines of up to ``width`` pixels: a closing over twice that and an opening, both across.
+
+    The opening over twice the width reads no farther. What they find is blurred along the flow.
+    """
+    return 2 * along(math.ceil(width)) + 2 * along(math.ceil(width / 2)) + flow_blur(2 * width)
+
+
+def fdog(
+    sigma_m: float, sigma_c: float, soft_reach: float | None = None, factor: int = 1, thin_lines: float = 0.0
+) -> int:
     """Return the halo of eq. 6, or of eqs. 10 and 11: across the flow at every point along it.
 
-    ``soft_reach`` is None where soft edges are not looked for.
+    ``soft_reach`` is None where soft edges are not looked for, ``thin_lines`` 0 where thin lines are not.
     """
-    return fdog_iterative(sigma_m, sigma_c, 1, 0, soft_reach, factor)
+    return fdog_iterative(sigma_m, sigma_c, 1, 0, soft_reach, factor, thin_lines)
 
 
 def fdog_iterative(
@@ -70,14 +80,17 @@ def fdog_iterative(
     pre_blur: float,
     soft_reach: float | None = None,
     factor: int = 1,
+    thin_lines: float = 0.0,
 ) -> int:
     """Return the halo of ``iterations`` passes of FDoG, each of a picture that is blurred first.
 
-    ``soft_reach`` is as in :func:`fdog`. What soft edges lack comes of the picture without ink.
+    ``soft_reach`` and ``thin_lines`` are as in :func:`fdog`. What soft edges lack, and what thin lines get, comes of
+    the picture without ink.
     """
     across = blur(pre_blur / factor) + along(dog(sigma_c / factor))
     soft = 0 if soft_reach is None else soft_edges(soft_reach / factor)
-    passes = iterations * flow_blur(sigma_m / factor) + (iterations - 1) * across + max(across, soft)
+    thin = 0 if thin_lines == 0 else across + _thin_lines(thin_lines / factor)
+    passes = iterations * flow_blur(sigma_m / factor) + (iterations - 1) * across + max(across, soft, thin)
     return _brought_up(passes, factor)
 
 

@@ -16,6 +16,7 @@ _HEIGHT, _WIDTH = 24, 40
 _SWITCHED_ON: dict[str, Any] = {
     "soft_lines": 1.0,
     "evidence": 1.0,
+    "thin_lines": 4.5,
     "working_scale": "1/2",
     "by_gradient": 1.0,
     "min_length": 4.0,
@@ -26,7 +27,7 @@ def warm_up(*names: str) -> None:
     """Run filters once on a small picture, with default parameters, so that their first use takes no longer.
 
     What the options of the graphs that come with the package need is made ready too, though they are off by default:
-    soft outlines, evidence, a working scale, steps by the gradient, a stroke's length.
+    soft outlines, thin lines, evidence, a working scale, steps by the gradient, a stroke's length.
 
     A program calls it before it starts threads, and before it forks: children share what is loaded, and none of them
     compiles. What is compiled stays on disk. Kernels of other parameters than the defaults (``kernel="separable"``, an

@@ -18,7 +18,7 @@ from flowabs_nodes.filters.working_scale import lines_factor
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.common_params import GROUND, SPACE
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
-from flowabs_nodes.nodes.line_params import ALONG_FLOW, DIFFERENCE, FORM, SIGMA_M, SOFT, THRESHOLD, XDOG
+from flowabs_nodes.nodes.line_params import ALONG_FLOW, DIFFERENCE, FORM, SIGMA_M, SOFT, THIN, THRESHOLD, XDOG
 from flowabs_nodes.nodes.regions import within
 from flowabs_nodes.nodes.working_scale import on_grid
 
@@ -143,7 +143,7 @@ def _soft_reach(params: Mapping[str, Any]) -> float | None:
 def _fdog_halo(params: Mapping[str, Any]) -> int:
     sigma_m, sigma_c = params["sigma_m"], params["sigma_c"]
     factor = lines_factor(params["working_scale"], sigma_c)
-    return halo.fdog(sigma_m, sigma_c, _soft_reach(params), factor) + _halo_after(params, factor)
+    return halo.fdog(sigma_m, sigma_c, _soft_reach(params), factor, params["thin_lines"]) + _halo_after(params, factor)
 
 
 def _halo_after(params: Mapping[str, Any], factor: int) -> int:
@@ -163,7 +163,7 @@ FDOG = Node(
     ),
     inputs=(IMAGE, FLOW, INK_MASK),
     outputs=(LINES, RESPONSE),
-    params=(FORM, SIGMA_M, *DIFFERENCE, *THRESHOLD, *XDOG, *SOFT, *ALONG_FLOW),
+    params=(FORM, SIGMA_M, *DIFFERENCE, *THRESHOLD, *XDOG, *SOFT, *THIN, *ALONG_FLOW),
     run=run_fdog,
     region=within(_fdog_halo, "image", "flow", "mask"),
 )
@@ -191,7 +191,8 @@ def run_fdog_iterative(
 def _fdog_iterative_halo(params: Mapping[str, Any]) -> int:
     lengths = params["sigma_m"], params["sigma_c"], params["iterations"], params["pre_blur"]
     factor = lines_factor(params["working_scale"], *lengths[1:])
-    return halo.fdog_iterative(*lengths, _soft_reach(params), factor) + _halo_after(params, factor)
+    response = halo.fdog_iterative(*lengths, _soft_reach(params), factor, params["thin_lines"])
+    return response + _halo_after(params, factor)
 
 
 FDOG_ITERATIVE = Node(
@@ -227,6 +228,7 @@ FDOG_ITERATIVE = Node(
         *THRESHOLD,
         *XDOG,
         *SOFT,
+        *THIN,
         *ALONG_FLOW,
     ),
     run=run_fdog_iterative,

@@ -11,6 +11,7 @@ from flowabs_nodes.filters import validate
 from flowabs_nodes.filters.gaussian_blur import blur
 from flowabs_nodes.filters.lines.fdog import Detector
 from flowabs_nodes.filters.lines.soft_edges import SoftEdges
+from flowabs_nodes.filters.lines.thin_lines import ThinLines
 from flowabs_nodes.filters.lines.threshold import threshold
 from flowabs_nodes.filters.lines.xdog import xdog, xdog_rho
 from flowabs_nodes.simd.bands import over_rows
@@ -38,6 +39,7 @@ def fdog_iterative(
     evidence: float = 0.0,
     soft_lines: float = 0.0,
     soft_reach: float = 7.0,
+    thin_lines: float = 0.0,
     working_scale: str = "full",
 ) -> tuple[Array, Array]:
     """Draw lines by several passes of FDoG: each pass filters the original picture with the last pass's ink over it.
@@ -47,10 +49,12 @@ def fdog_iterative(
 
     Parameters
     ----------
-    code, flow, sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign, soft_lines, soft_reach, working_scale
-        As the parameters of :func:`~flowabs_nodes.filters.fdog`. What soft edges lack is measured once, in the picture
-        without ink, and added in each pass. For the ``working_scale`` "auto" and more than one pass 1/2 must also leave
-        ``sigma_c`` and ``pre_blur`` 2.8 pixels together (the root of the sum of their squares), 1/4 twice as much.
+    code, flow, sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign, soft_lines, soft_reach, thin_lines,
+    working_scale
+        As the parameters of :func:`~flowabs_nodes.filters.fdog`. What soft edges lack, and what thin lines get, is
+        measured once, in the picture without ink, and added in each pass. For the ``working_scale`` "auto" and more
+        than one pass 1/2 must also leave ``sigma_c`` and ``pre_blur`` 2.8 pixels together (the root of the sum of their
+        squares), 1/4 twice as much.
     tau, contrast, softness
         As the parameters of :func:`~flowabs_nodes.filters.threshold`.
     iterations
@@ -92,6 +96,7 @@ def fdog_iterative(
         pre_blur=pre_blur,
         factor=detector.factor,
     )
+    thin = ThinLines.checked(thin_lines, detector.taps, pre_blur, detector.factor)
     evidence = 0.0 if is_xdog else validate.number("evidence", evidence, min=0, max=1)
 
     sigma = pre_blur / detector.factor
@@ -110,6 +115,8 @@ def fdog_iterative(
         return threshold(response, tau, contrast, softness), response
 
     missing = None if soft is None else soft.missing(original, small_flow)
+    if thin is not None:
+        missing = thin.added(missing, original, small_flow)
     picture = original
     for _ in range(iterations - 1):
         lines, _ = draw(picture, original.shape[1:])
