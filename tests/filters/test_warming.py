@@ -25,7 +25,13 @@ def test_every_filter_can_be_warmed_up():
 
 @pytest.mark.parametrize(
     ("name", "option"),
-    [("fdog", "evidence"), ("fdog", "soft_lines"), ("quantize", "by_gradient"), ("stroke", "min_length")],
+    [
+        ("fdog", "evidence"),
+        ("fdog", "soft_lines"),
+        ("fdog", "thin_lines"),
+        ("quantize", "by_gradient"),
+        ("stroke", "min_length"),
+    ],
 )
 def test_what_is_off_by_default_is_made_ready_too(name, option, monkeypatch):
     filter, given = getattr(filters, name), {}
