@@ -58,13 +58,28 @@ def soft_edges(soft_reach: float) -> int:
     return blur(t) + along(steps_across(soft_reach)) + flow_blur(t)
 
 
-def fdog(sigma_m: float, sigma_c: float, soft_reach: float | None = None, factor: int = 1, soft_factor: int = 1) -> int:
+def _thin_lines(width: float) -> int:
+    """Return the halo of bright lines of up to ``width`` pixels: a closing over twice that and an opening, both across.
+
+    The opening over twice the width reads no farther. What they find is blurred along the flow.
+    """
+    return 2 * along(math.ceil(width)) + 2 * along(math.ceil(width / 2)) + flow_blur(2 * width)
+
+
+def fdog(
+    sigma_m: float,
+    sigma_c: float,
+    soft_reach: float | None = None,
+    factor: int = 1,
+    soft_factor: int = 1,
+    thin_lines: float = 0.0,
+) -> int:
     """Return the halo of eq. 6, or of eqs. 10 and 11: across the flow at every point along it.
 
     ``soft_reach`` is None where soft edges are not looked for; ``soft_factor`` reduces the picture that they are
-    measured in, if by more than ``factor``.
+    measured in, if by more than ``factor``. ``thin_lines`` is 0 where thin lines are not looked for.
     """
-    return fdog_iterative(sigma_m, sigma_c, 1, 0, soft_reach, factor, soft_factor)
+    return fdog_iterative(sigma_m, sigma_c, 1, 0, soft_reach, factor, soft_factor, thin_lines)
 
 
 def fdog_iterative(
@@ -75,15 +90,18 @@ def fdog_iterative(
     soft_reach: float | None = None,
     factor: int = 1,
     soft_factor: int = 1,
+    thin_lines: float = 0.0,
 ) -> int:
     """Return the halo of ``iterations`` passes of FDoG, each of a picture that is blurred first.
 
-    ``soft_reach`` and ``soft_factor`` are as in :func:`fdog`. What soft edges lack comes of the picture without ink.
+    ``soft_reach``, ``soft_factor`` and ``thin_lines`` are as in :func:`fdog`. What soft edges lack, and what thin lines
+    get, comes of the picture without ink.
     """
     across = blur(pre_blur / factor) + along(dog(sigma_c / factor))
     further = max(soft_factor // factor, 1)
     soft = 0 if soft_reach is None else _brought_up(soft_edges(soft_reach / (factor * further)), further)
-    passes = iterations * flow_blur(sigma_m / factor) + (iterations - 1) * across + max(across, soft)
+    thin = 0 if thin_lines == 0 else across + _thin_lines(thin_lines / factor)
+    passes = iterations * flow_blur(sigma_m / factor) + (iterations - 1) * across + max(across, soft, thin)
     return _brought_up(passes, factor)
 
 

@@ -151,6 +151,22 @@ SOFT = (
     ),
 )
 
+#: Lines that are thinner than two lines of ink side by side.
+THIN = (
+    Param.float(
+        "thin_lines",
+        0.0,
+        min=0,
+        max=1000,
+        soft=(0, 8),
+        unit="px",
+        label="Thin bright lines",
+        group="Response",
+        help="Draw bright lines up to this width (a whisker, a cable, a rim of light) as one line on their middle. 0 "
+        "draws one along each side of them.",
+    ),
+)
+
 #: What FDoG takes beside the parameters above.
 ALONG_FLOW = (
     Param.float(

@@ -19,7 +19,7 @@ from flowabs_nodes.filters.working_scale import evidence_factor, lines_factor, s
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.common_params import GROUND, SPACE
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
-from flowabs_nodes.nodes.line_params import ALONG_FLOW, DIFFERENCE, FORM, SIGMA_M, SOFT, THRESHOLD, XDOG
+from flowabs_nodes.nodes.line_params import ALONG_FLOW, DIFFERENCE, FORM, SIGMA_M, SOFT, THIN, THRESHOLD, XDOG
 from flowabs_nodes.nodes.regions import within
 from flowabs_nodes.nodes.working_scale import on_grid
 
@@ -149,7 +149,8 @@ def _soft_factor(params: Mapping[str, Any]) -> int:
 def _fdog_halo(params: Mapping[str, Any]) -> int:
     sigma_m, sigma_c = params["sigma_m"], params["sigma_c"]
     factor = lines_factor(params["working_scale"], sigma_c)
-    return halo.fdog(sigma_m, sigma_c, _soft_reach(params), factor, _soft_factor(params)) + _halo_after(params, factor)
+    response = halo.fdog(sigma_m, sigma_c, _soft_reach(params), factor, _soft_factor(params), params["thin_lines"])
+    return response + _halo_after(params, factor)
 
 
 def _halo_after(params: Mapping[str, Any], factor: int, pre_blur: float = 0.0) -> int:
@@ -170,7 +171,7 @@ FDOG = Node(
     ),
     inputs=(IMAGE, FLOW, INK_MASK),
     outputs=(LINES, RESPONSE),
-    params=(FORM, SIGMA_M, *DIFFERENCE, *THRESHOLD, *XDOG, *SOFT, *ALONG_FLOW),
+    params=(FORM, SIGMA_M, *DIFFERENCE, *THRESHOLD, *XDOG, *SOFT, *THIN, *ALONG_FLOW),
     run=run_fdog,
     region=within(_fdog_halo, "image", "flow", "mask"),
 )
@@ -201,7 +202,7 @@ def run_fdog_iterative(
 def _fdog_iterative_halo(params: Mapping[str, Any]) -> int:
     lengths = params["sigma_m"], params["sigma_c"], params["iterations"], params["pre_blur"]
     factor = lines_factor(params["working_scale"], *lengths[1:])
-    passes = halo.fdog_iterative(*lengths, _soft_reach(params), factor, _soft_factor(params))
+    passes = halo.fdog_iterative(*lengths, _soft_reach(params), factor, _soft_factor(params), params["thin_lines"])
     return passes + _halo_after(params, factor, params["pre_blur"])
 
 
@@ -238,6 +239,7 @@ FDOG_ITERATIVE = Node(
         *THRESHOLD,
         *XDOG,
         *SOFT,
+        *THIN,
         *ALONG_FLOW,
     ),
     run=run_fdog_iterative,

@@ -26,6 +26,7 @@ FILTERS = {
     "fdog, full": lambda picture: filters.fdog(grey(picture), FLOW, kernel="full"),
     "fdog, iterative": lambda picture: filters.fdog_iterative(picture, FLOW, color_weight=0.5)[1],
     "fdog with soft lines": lambda picture: filters.fdog(picture, FLOW, color_weight=1.0, soft_lines=1.0),
+    "fdog with thin lines": lambda picture: filters.fdog(grey(picture), FLOW, thin_lines=3.0),
     "dog": lambda picture: filters.dog(grey(picture)),
     "threshold": lambda picture: filters.threshold(grey(picture), softness=4),
     "fbl": lambda picture: filters.fbl(picture, FLOW),

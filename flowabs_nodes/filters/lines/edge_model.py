@@ -132,7 +132,7 @@ def missing_response(
             for y in range(y0, y_end):
                 for each in range(x0, x_end, LANES):
                     x = min(each, width - LANES)
-                    tx, ty = _direction(flow, y * width + x)
+                    tx, ty = direction(flow, y * width + x)
                     for k, far in enumerate(distances):
                         locate_both_sides(ty * far, -tx * far, x, y, around, entries, offsets, k)
                     locate_both_sides(tx * model.t, ty * model.t, x, y, around, entries, offsets, 5)
@@ -150,7 +150,7 @@ def missing_response(
 
 
 @inlined
-def _direction(flow: npt.NDArray[np.complex64], pixel: int) -> tuple[Floats, Floats]:
+def direction(flow: npt.NDArray[np.complex64], pixel: int) -> tuple[Floats, Floats]:
     """Return the tangents of sixteen pixels, of length 1, or 0 where there is none."""
     tx, ty = load_pairs(flow, pixel)
     longest = maximum(maximum(absolute(tx), absolute(ty)), 1e-30)

@@ -17,6 +17,7 @@ from flowabs_nodes.filters.flow.flow_resolution import reduced_flow
 from flowabs_nodes.filters.lines.dog_line import across
 from flowabs_nodes.filters.lines.evidence import stretch, weakened
 from flowabs_nodes.filters.lines.soft_edges import SoftEdges
+from flowabs_nodes.filters.lines.thin_lines import ThinLines
 from flowabs_nodes.filters.working_scale import READ_TWICE, evidence_factor, lines_factor, shortened_blur, step_along
 from flowabs_nodes.sampling.exact_sums import exact_sum
 from flowabs_nodes.sampling.resolution import enlarged, reduced
@@ -48,6 +49,7 @@ def fdog(
     evidence: float = 0.0,
     soft_lines: float = 0.0,
     soft_reach: float = 7.0,
+    thin_lines: float = 0.0,
     working_scale: str = "full",
 ) -> Array:
     """Return the response H of the FDoG filter, eqs. 6-8, 10, 11: below 0 on dark lines and on the dark side of edges.
@@ -91,6 +93,9 @@ def fdog(
     soft_reach
         The blur of the softest edges that get it, sigma in pixels, 1 to 10,000. Edges must be alone over about as many
         pixels to either side. Counts with ``soft_lines``.
+    thin_lines
+        Width in pixels, 0 to 10,000, up to which a bright line that is alone gets one line on its middle rather than
+        one along each side (:mod:`~flowabs_nodes.filters.lines.thin_lines`). 0 leaves bright lines as they are.
     working_scale
         The size of the picture that is worked on: "full"; "1/2" or "1/4" of its width and height, sigmas to match, the
         responses of the channels brought back up; or "auto": 1/2 where it leaves ``sigma_c`` at least 2 pixels, 1/4
@@ -118,8 +123,11 @@ def fdog(
         working_scale=working_scale,
         factor=detector.factor,
     )
+    thin = ThinLines.checked(thin_lines, detector.taps, factor=detector.factor)
     planes, small_flow = detector.reduced(code, flow)
     missing = None if soft is None else soft.missing(planes, small_flow)
+    if thin is not None:
+        missing = thin.added(missing, planes, small_flow)
     return detector.response(planes, small_flow, code.shape[:2], missing, evidence)
 
 

@@ -15,6 +15,7 @@ from flowabs_nodes.filters import gaussian, validate
 from flowabs_nodes.filters.gaussian_blur import separable
 from flowabs_nodes.filters.lines.fdog import Detector
 from flowabs_nodes.filters.lines.soft_edges import SoftEdges
+from flowabs_nodes.filters.lines.thin_lines import ThinLines
 from flowabs_nodes.filters.lines.threshold import threshold
 from flowabs_nodes.filters.lines.xdog import xdog, xdog_rho
 from flowabs_nodes.simd.bands import over_rows
@@ -42,6 +43,7 @@ def fdog_iterative(
     evidence: float = 0.0,
     soft_lines: float = 0.0,
     soft_reach: float = 7.0,
+    thin_lines: float = 0.0,
     working_scale: str = "full",
 ) -> tuple[Array, Array]:
     """Draw lines by several passes of FDoG: each pass filters the original picture with the last pass's ink over it.
@@ -51,10 +53,12 @@ def fdog_iterative(
 
     Parameters
     ----------
-    code, flow, sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign, soft_lines, soft_reach, working_scale
-        As the parameters of :func:`~flowabs_nodes.filters.fdog`. What soft edges lack is measured once, in the picture
-        without ink, and added in each pass. For the ``working_scale`` "auto" and more than one pass 1/2 must also leave
-        ``sigma_c`` and ``pre_blur`` 2.8 pixels together (the root of the sum of their squares), 1/4 twice as much.
+    code, flow, sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign, soft_lines, soft_reach, thin_lines,
+    working_scale
+        As the parameters of :func:`~flowabs_nodes.filters.fdog`. What soft edges lack, and what thin lines get, is
+        measured once, in the picture without ink, and added in each pass. For the ``working_scale`` "auto" and more
+        than one pass 1/2 must also leave ``sigma_c`` and ``pre_blur`` 2.8 pixels together (the root of the sum of their
+        squares), 1/4 twice as much.
     tau, contrast, softness
         As the parameters of :func:`~flowabs_nodes.filters.threshold`.
     iterations
@@ -98,6 +102,7 @@ def fdog_iterative(
         evidence,
         soft_lines,
         soft_reach,
+        thin_lines,
         working_scale,
     )
     return passes.draw(code, flow)
@@ -109,6 +114,7 @@ class Passes:
 
     detector: Detector
     soft: SoftEdges | None
+    thin: ThinLines | None
     lines_of: Callable[[Array], tuple[Array, Array]]  # a response H: lines, and the response that they come from
     iterations: int
     pre_blur: float  # sigma in pixels of the size that is worked on
@@ -136,6 +142,7 @@ class Passes:
         evidence: float,
         soft_lines: float,
         soft_reach: float,
+        thin_lines: float,
         working_scale: str,
     ) -> Passes:
         """Return the passes with the parameters of :func:`fdog_iterative`; raise ArgumentError for a bad one."""
@@ -156,12 +163,13 @@ class Passes:
             working_scale=working_scale,
             factor=detector.factor,
         )
+        thin = ThinLines.checked(thin_lines, detector.taps, pre_blur, detector.factor)
         evidence = 0.0 if is_xdog else validate.number("evidence", evidence, min=0, max=1)
         if is_xdog:
             lines_of = partial(xdog, p=p, epsilon=epsilon, phi=phi)
         else:
             lines_of = partial(_below, tau=tau, contrast=contrast, softness=softness)
-        return cls(detector, soft, lines_of, iterations, pre_blur / detector.factor, evidence)
+        return cls(detector, soft, thin, lines_of, iterations, pre_blur / detector.factor, evidence)
 
     def draw(self, code: npt.ArrayLike, flow: npt.ArrayLike) -> tuple[Array, Array]:
         """Return what :func:`fdog_iterative` does. Of ``code`` nothing is held once it is reduced or laid out."""
@@ -170,6 +178,8 @@ class Passes:
         original, flow = self.detector.reduced(code, flow)
         del code
         missing, lines = None if self.soft is None else self.soft.missing(original, flow), None
+        if self.thin is not None:
+            missing = self.thin.added(missing, original, flow)
         for _ in range(self.iterations - 1):
             seen = original.shape[1:]
             lines, _ = self.lines_of(self.detector.response(self._seen(original, lines), flow, seen, missing))
