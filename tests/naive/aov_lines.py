@@ -173,7 +173,13 @@ def fitted(points: dict[str, Any], sigma: float) -> dict[str, Any]:
     for e in range(len(n)):
         dx, dy = points["x"] - points["x"][e], points["y"] - points["y"][e]
         s, h, alike = dy * n[e, 0] - dx * n[e, 1], dx * n[e, 0] + dy * n[e, 1], n @ n[e]
-        counts = (alike >= 0.5) & (np.abs(s) <= 3 * sigma) & (np.abs(h) <= 2) & same_stroke(points, e)
+        counts = (
+            (alike >= 0.5)
+            & (np.maximum(np.abs(dx), np.abs(dy)) <= 3 * sigma)
+            & (np.abs(s) <= 3 * sigma)
+            & (np.abs(h) <= 2)
+            & same_stroke(points, e)
+        )
         bend = (n[e, 0] * n[:, 1] - n[e, 1] * n[:, 0]) / np.where(counts, alike, 1)
         h = h + s * bend / 2
         g = counts * alike**2 * np.exp(-(s**2) / (2 * sigma**2))

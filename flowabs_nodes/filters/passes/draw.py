@@ -1,8 +1,9 @@
 """Ink and distances: each pixel's nearest edges, by the pieces of lines through their points.
 
 A piece at p with normal n (outward) reaches over the pixels q whose (q - p).t is at most 3/4 px, more further away;
-there d = (p - q).n, positive on the near side. Of several pieces the nearest point counts. A line lies on the near
-side, a crease on both:
+there d = (p - q).n, positive on the near side. Of several pieces the nearest point counts, the weaker the further away;
+so distances belong to one edge, and ink to the nearest edge whose near side a pixel is on as well as to the nearest
+whose far side it is on. A line lies on the near side, a crease on both:
 
     ink = strength clip(min(d, width - d) + 1/2, 0, 1),    of a crease: strength clip(width / 2 - |d| + 1/2, 0, 1).
 """

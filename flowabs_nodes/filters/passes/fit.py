@@ -1,10 +1,11 @@
 """Straight pieces through the points of an edge: what a staircase of cracks is a picture of.
 
 The direction across an edge is first the mean of the cracks' own around it. Then, in the frame of a point with tangent
-t and normal n, the other points p_j of the same stroke lie at s_j = (p_j - p).t, h_j = (p_j - p).n, and the line
-h = a + b s through them, by weighted least squares with w_j = strength_j G(s_j; sigma_m) (n.n_j)^2, is the edge there:
-the average along the edge, unbiased where the stroke ends. Points of another surface take no part, so strokes end
-crisply where they meet.
+t and normal n, the other points p_j of the same stroke lie at s_j = (p_j - p).t, h_j = (p_j - p).n. An edge that bends
+from n to n_j on the way has gone aside by h = -(n_j.t / n_j.n) s_j / 2; this is taken off. The line h = a + b s through
+what is left, by weighted least squares with w_j = strength_j G(s_j; sigma_m) (n.n_j)^2, is the edge at the point: the
+average along the edge, unbiased by bends, and where the stroke ends. Points of another surface take no part, so strokes
+end crisply where they meet.
 """
 
 from __future__ import annotations
@@ -98,11 +99,13 @@ def _fit(first: int, last: int, edges: Edges, sigma: float, two_sided: bool, mad
     for e in range(edges.rows[first], edges.rows[last]):
         x, y, nx, ny = edges.x[e], edges.y[e], edges.nx[e], edges.ny[e]
         count, w0, w1, w2, h0, h1 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        for j in range(max(math.floor(y - reach), 0), min(math.floor(y + reach) + 1, height)):
+        for j in range(max(math.floor(y - reach - MOVED), 0), min(math.floor(y + reach + MOVED) + 1, height)):
             for k in range(begin_at(edges.rows, edges.x, j, x - reach), edges.rows[j + 1]):
                 dx, dy = edges.x[k] - x, edges.y[k] - y
                 if dx > reach + MOVED:
                     break
+                if abs(dx) > reach or abs(dy) > reach:
+                    continue
                 s, h = dy * nx - dx * ny, dx * nx + dy * ny
                 alike = nx * edges.nx[k] + ny * edges.ny[k]
                 if two_sided:
