@@ -210,7 +210,7 @@ MOTION_WINDOW = Node(
             1.0,
             min=0,
             max=200,
-            soft=(0.25, 4),
+            soft=(0.25, 8),
             unit="px",
             group="Hidden surfaces",
             help="How far from its start a pixel may come back when its motion is followed to the next frame and back.",

@@ -33,7 +33,7 @@ from flowabs_nodes.sampling.coords import Raster, padded_rows, raster_of
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.read_only import for_kernel
 
-_ROWS = 16  # in a band at most: its paths stay in the processor's cache
+_AT_ONCE = 2**15  # pixels in a band at most: their paths stay in the processor's cache
 
 
 class WindowMean(NamedTuple):
@@ -192,7 +192,7 @@ def _over_window(
             weights = paths.weight.reshape(len(offsets), last - first, raster.stride).sum(axis=0)
             np.minimum(weights / full, 1, out=confidence[first:last])
 
-    over_rows(average, raster.height, least=1, most=_ROWS)
+    over_rows(average, raster.height, least=1, most=max(1, _AT_ONCE // raster.stride))
     cut = (slice(None), slice(raster.width))
     misfit = Misfit.of(misfits, raster.width * raster.height)
     return WindowMean(np.ascontiguousarray(mean[cut]), np.ascontiguousarray(confidence[cut]), misfit)

@@ -158,8 +158,9 @@ def test_colours_count_by_their_alpha():
     alphas = {k: np.full((20, 30), 0.0 if abs(k) == 2 else 0.5, np.float32) for k in OFFSETS}
     found = motion_window(images, still, None, alphas=alphas, falloff="box")
     np.testing.assert_allclose(found.mean, (50 + 60 + 60) / 3, rtol=1e-6)
-    nothing = dict.fromkeys(OFFSETS, np.zeros((20, 30), np.float32))
-    assert np.array_equal(motion_window(images, still, None, alphas=nothing).mean, images[0])
+    for none in (0.0, -1.0):  # below 0 there is no coverage either
+        nothing = dict.fromkeys(OFFSETS, np.full((20, 30), none, np.float32))
+        assert np.array_equal(motion_window(images, still, None, alphas=nothing).mean, images[0])
 
 
 @pytest.mark.parametrize("reach", [0, 1, 2, 4])
