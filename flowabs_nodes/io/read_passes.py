@@ -75,9 +75,9 @@ def read_normal(
         pixels = file.read(chosen.part, chosen.channels)
         if chosen.guessed:
             _check_lengths(pixels, chosen)
-        whole = np.isfinite(pixels).all(axis=2, keepdims=True)
-        broken = pixels.shape[0] * pixels.shape[1] - np.count_nonzero(whole)
-        if broken:
+        if not np.isfinite(pixels).all():
+            whole = np.isfinite(pixels).all(axis=2, keepdims=True)
+            broken = pixels.shape[0] * pixels.shape[1] - np.count_nonzero(whole)
             warn(f"{broken} normals with NaN or Inf become 0, 0, 0")
             pixels = np.where(whole, pixels, np.float32(0))
         return image_of(file, chosen, "normal", pixels)

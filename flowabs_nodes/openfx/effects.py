@@ -16,6 +16,7 @@ import flowabs_nodes
 from flowabs_nodes.choices import readable
 from flowabs_nodes.engine.plan import sinks
 from flowabs_nodes.engine.runnable import load_graph
+from flowabs_nodes.engine.unit_params import reads_other_frames
 from flowabs_nodes.errors import FlowabsError
 from flowabs_nodes.graph.model import Graph
 from flowabs_nodes.graph.shipped import shipped
@@ -100,7 +101,7 @@ def effect(identifier: str, source: str) -> dict[str, Any]:
         "identifier": identifier,
         "label": f"Flowabs {readable(Path(source).stem)}",
         "grouping": "Flowabs",
-        "description": f"{told['description']} {ALONE}" if _sees_other_frames(graph) else told["description"],
+        "description": f"{told['description']} {ALONE}" if reads_other_frames(graph) else told["description"],
         "graph": source,
         "plate": _given(graph, inputs[0]),
         "clips": _clips(graph, inputs[1:]),
@@ -141,10 +142,6 @@ def _output_labels(graph: Graph) -> dict[str, str]:
             first = next(iter(graph.nodes[link.node].declaration.all_outputs))
             labels[link.node if link.output == first else str(link)] = readable(name)
     return labels
-
-
-def _sees_other_frames(graph: Graph) -> bool:
-    return any(node.declaration.frames is not None for node in graph.nodes.values())
 
 
 def _varies(graph: Graph) -> bool:

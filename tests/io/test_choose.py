@@ -7,6 +7,7 @@ import pytest
 
 from flowabs_nodes.errors import ReadError
 from flowabs_nodes.io.choose import choose_color, choose_data
+from flowabs_nodes.io.layers import Selection
 
 
 def spec(*channels: str, name: str = "", deep: bool = False) -> oiio.ImageSpec:
@@ -23,7 +24,7 @@ RENDER = spec("R", "G", "B", "A", "Z", "diffuse.R", "diffuse.G", "diffuse.B", "N
 
 
 def test_plain_channels_come_first() -> None:
-    assert choose_color([RENDER]) == (0, "", ("R", "G", "B", "A"), "")
+    assert choose_color([RENDER]) == Selection(0, "", ("R", "G", "B", "A"))
     assert choose_color([spec("B", "G", "R")]).channels == ("R", "G", "B")
 
 
@@ -108,7 +109,7 @@ def test_data() -> None:
     assert choose_data([RENDER], "N.Y").channels == ("N.Y",)
     assert len(choose_data([RENDER]).channels) == 12
     parts = [spec("R", "G", "B", name="rgba"), spec("Z", name="depth_left")]
-    assert choose_data(parts, "depth_left") == (1, "depth_left", ("Z",), "")
+    assert choose_data(parts, "depth_left") == Selection(1, "depth_left", ("Z",))
     assert choose_data(parts, "Z").part == 1
     with pytest.raises(ReadError, match="did you mean 'depth_left'"):
         choose_data(parts, "depth_lef")

@@ -83,6 +83,18 @@ def test_clips_outputs_and_what_varies(folder):
     assert effect("org.flowabs.flat", "flat")["varies"] is False
 
 
+@pytest.mark.parametrize(("name", "alone"), [("toon", True), ("steady_lines", True), ("outline", False)])
+def test_a_graph_that_looks_at_other_frames_says_that_a_host_gives_it_one(name, alone):
+    found = effect(f"org.flowabs.{name}", name)
+    assert found["description"].endswith(effects.ALONE) == alone
+
+
+def test_a_render_s_passes_are_clips():
+    clips = {clip["given"]: clip["channels"] for clip in effect("org.flowabs.toon", "toon")["clips"]}
+    ids = {"ids": "R", "ids.coverage": "R", "materials": "R"}
+    assert clips == {"depth": "R", "normal": "RGB", **ids, "pass_motion": "RGBA"}
+
+
 def test_parameters_of_a_group_stand_side_by_side_under_legal_names(folder):
     params = effect("org.flowabs.user.panel", str(folder / "panel.json"))["params"]
     names = [param["name"] for param in params]

@@ -170,6 +170,7 @@ def test_it_goes_without_the_scene_of_the_shot(tmp_path: Path) -> None:
         ("read_id", "", "use_pass_cryptomatte_object"),
         ("read_id", "Fg.cryptomatte.right", "use_pass_cryptomatte_object"),
         ("read_id", "CryptoMaterial", "use_pass_cryptomatte_material"),
+        ("read_id", "material", "use_pass_cryptomatte_material"),
         ("read_id", "CryptoAsset00", "use_pass_cryptomatte_asset"),
         ("read_id", "IndexOB", "use_pass_object_index"),
         ("read_id", "Material Index", "use_pass_material_index"),

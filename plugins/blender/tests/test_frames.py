@@ -51,6 +51,18 @@ def test_the_scene_s_frames(shot: Path) -> None:
     assert [result.stat().st_mtime_ns == before for result, before in zip(results, times, strict=True)] == [1, 0, 1]
 
 
+@pytest.mark.parametrize("name", ["toon", "outline"])
+def test_a_graph_for_renders_reads_passes_and_the_frames_around(name: str, tmp_path: Path) -> None:
+    passes = Path(__file__).parents[3] / "tests" / "data" / "blender" / "passes_45.####.exr"
+    bpy.ops.flowabs.new_from_preset(preset=name)
+    made, by = tmp_path / "made.####.exr", tmp_path / "by.####.exr"
+    bpy.ops.flowabs.run_sequence(tree=name, frames_in=str(passes), frames_out=str(made), frame_range="1-3")
+    fa.run(name, input=str(passes), output=str(by))
+    for number in ("0001", "0002", "0003"):
+        one, other = (read_image(str(file).replace("####", number)).pixels for file in (made, by))
+        np.testing.assert_array_equal(one, other)
+
+
 def test_animated_knobs_and_one_output(shot: Path) -> None:
     bpy.ops.flowabs.new_from_preset(preset="abstraction")
     tree = bpy.data.node_groups["abstraction"]
