@@ -94,7 +94,8 @@ def fdog(
     working_scale
         The size of the picture that is worked on: "full"; "1/2" or "1/4" of its width and height, sigmas to match, the
         responses of the channels brought back up; or "auto": 1/2 where it leaves ``sigma_c`` at least 2 pixels, 1/4
-        where it leaves 4.
+        where it leaves 4. What soft edges lack, and evidence, are looked for at 1/2 where ``soft_reach`` is at least 12
+        pixels, and ``sigma_c`` 2.8.
 
     Returns
     -------
