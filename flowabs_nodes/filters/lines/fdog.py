@@ -20,7 +20,7 @@ from flowabs_nodes.filters.lines.soft_edges import SoftEdges
 from flowabs_nodes.filters.working_scale import READ_TWICE, evidence_factor, lines_factor, shortened_blur, step_along
 from flowabs_nodes.sampling.exact_sums import exact_sum
 from flowabs_nodes.sampling.resolution import enlarged, reduced
-from flowabs_nodes.simd.bands import limited, over_rows, rows_worth_a_call
+from flowabs_nodes.simd.bands import limited, over_rows
 from flowabs_nodes.simd.elementary import LOG2_E, exp2_of_negative
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import Floats, absolute, maximum, minimum, select, splat_floats, sqrt
@@ -223,7 +223,7 @@ class Detector:
                     rows = weakened(rows, ink, along_it, evidence)
                 response[first:last] = rows
 
-        over_rows(band, size[0], least=rows_worth_a_call(size[1]))
+        over_rows(band, size[0])
         return response
 
     def _joined(self, responses: Array) -> Array:
