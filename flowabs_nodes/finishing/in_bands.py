@@ -15,7 +15,7 @@ from flowabs_nodes.errors import FlowabsError, InternalError, unforeseen
 from flowabs_nodes.filters.compositing import inked
 from flowabs_nodes.finishing.fused import quantized
 from flowabs_nodes.finishing.operations import Ink, OnRows, Operation, Quantize
-from flowabs_nodes.simd.bands import limited, over_rows, rows_worth_a_call
+from flowabs_nodes.simd.bands import limited, over_rows
 
 
 def in_bands(
@@ -40,7 +40,7 @@ def in_bands(
                 rows = _done(operation, rows, first, colorspace)
             pixels[first:last] = rows
 
-    over_rows(band, shape[0], least=rows_worth_a_call(shape[1]))
+    over_rows(band, shape[0])
     return pixels
 
 

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from concurrent.futures import ThreadPoolExecutor
 
 _BANDS = 8  # bands for each thread at least, so that a thread that is done early takes another
-_PIXELS = 2**16  # in a band of a Python function at least
 _MOST = 32  # rows in a band at most: work that is asked to stop ends after the bands that have begun
 
 _limit: ContextVar[int | None] = ContextVar("flowabs_threads", default=None)
@@ -85,11 +84,6 @@ def limited(threads: int) -> Iterator[None]:
         yield
     finally:
         _limit.reset(token)
-
-
-def rows_worth_a_call(width: int) -> int:
-    """Return the least rows of a band whose function is Python's: many small ones would wait for the interpreter."""
-    return max(8, -(-_PIXELS // width))
 
 
 def over_rows(kernel: Callable[..., Any], height: int, *arguments: Any, least: int = 8, most: int = _MOST) -> list[Any]:

@@ -73,35 +73,30 @@ def _across(
     # Of the points l_x(n) and l_x(-n) of sixteen pixels at up to eight steps: the lattice entry to the upper left of
     # each, and how far (u, v) beyond its entry l_x(n) lies; l_x(-n) lies (1 - u, 1 - v) beyond its own.
     entries, offsets = scratch(np.int32, 16), scratch(np.float32, 16)
-    size = tile_capacity(steps, last - first, width, height)
-    lattices, totals = np.empty(channels * size, np.complex64), np.empty(channels * LANES, np.float32)
+    lattice = np.empty(tile_capacity(steps, last - first, width, height), np.complex64)
     for y0 in range(first, last, ROWS):
         for x0 in range(0, width, COLUMNS):
             y_end, x_end = min(y0 + ROWS, last), min(x0 + COLUMNS, width)
             around = tile_around(x0, y0, x_end, y_end, steps, width, height)
             for c in range(channels):
-                fill_lattice(lattices[c * size :], planes, c * height * width, around)
-            for y in range(y0, y_end):
-                for each in range(x0, x_end, LANES):
-                    x = min(each, width - LANES)
-                    tx, ty = load_pairs(flow, y * width + x)
-                    if not is_short(tx, ty):
-                        return False
-                    for c in range(channels):
-                        store(totals, LANES * c, load(planes, (c * height + y) * width + x) * taps[0])
-                    for n0 in range(1, steps + 1, _STEPS):
-                        n_end = min(n0 + _STEPS, steps + 1)
-                        for n in range(n0, n_end):
-                            dx, dy = ty * np.float32(n), tx * np.float32(-n)
-                            locate_both_sides(dx, dy, x, y, around, entries, offsets, n - n0)
-                        for c in range(channels):
-                            total, lattice = load(totals, LANES * c), lattices[c * size :]
+                fill_lattice(lattice, planes, c * height * width, around)
+                for y in range(y0, y_end):
+                    for each in range(x0, x_end, LANES):
+                        x = min(each, width - LANES)
+                        tx, ty = load_pairs(flow, y * width + x)
+                        if not is_short(tx, ty):
+                            return False
+                        at = (c * height + y) * width + x
+                        total = load(planes, at) * taps[0]
+                        for n0 in range(1, steps + 1, _STEPS):
+                            n_end = min(n0 + _STEPS, steps + 1)
+                            for n in range(n0, n_end):
+                                dx, dy = ty * np.float32(n), tx * np.float32(-n)
+                                locate_both_sides(dx, dy, x, y, around, entries, offsets, n - n0)
                             for n in range(n0, n_end):
                                 samples = _sample_both_sides(lattice, entries, offsets, n - n0)
                                 total = total + samples * taps[n]  # eq. 10
-                            store(totals, LANES * c, total)
-                    for c in range(channels):
-                        store(result, (c * height + y) * width + x, load(totals, LANES * c))
+                        store(result, at, total)
     return True
 
 

@@ -21,7 +21,7 @@ from flowabs_nodes.filters.lines.thin_lines import ThinLines
 from flowabs_nodes.filters.working_scale import READ_TWICE, evidence_factor, lines_factor, shortened_blur, step_along
 from flowabs_nodes.sampling.exact_sums import exact_sum
 from flowabs_nodes.sampling.resolution import enlarged, reduced
-from flowabs_nodes.simd.bands import limited, over_rows, rows_worth_a_call
+from flowabs_nodes.simd.bands import limited, over_rows
 from flowabs_nodes.simd.elementary import LOG2_E, exp2_of_negative
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import Floats, absolute, maximum, minimum, select, splat_floats, sqrt
@@ -99,7 +99,8 @@ def fdog(
     working_scale
         The size of the picture that is worked on: "full"; "1/2" or "1/4" of its width and height, sigmas to match, the
         responses of the channels brought back up; or "auto": 1/2 where it leaves ``sigma_c`` at least 2 pixels, 1/4
-        where it leaves 4.
+        where it leaves 4. What soft edges lack, and evidence, are looked for at 1/2 where ``soft_reach`` is at least 12
+        pixels, and ``sigma_c`` 2.8.
 
     Returns
     -------
@@ -230,7 +231,7 @@ class Detector:
                     rows = weakened(rows, ink, along_it, evidence)
                 response[first:last] = rows
 
-        over_rows(band, size[0], least=rows_worth_a_call(size[1]))
+        over_rows(band, size[0])
         return response
 
     def _joined(self, responses: Array) -> Array:

@@ -58,7 +58,9 @@ def fdog_iterative(
         As the parameters of :func:`~flowabs_nodes.filters.fdog`. What soft edges lack, and what thin lines get, is
         measured once, in the picture without ink, and added in each pass. For the ``working_scale`` "auto" and more
         than one pass 1/2 must also leave ``sigma_c`` and ``pre_blur`` 2.8 pixels together (the root of the sum of their
-        squares), 1/4 twice as much.
+        squares), 1/4 twice as much. Evidence is looked for at 1/2 where they are 2.8 pixels together. Unless "full",
+        responses are summed over every other pixel of the streamline where ``pre_blur`` is at least 2.5 pixels of the
+        size that is worked on.
     tau, contrast, softness
         As the parameters of :func:`~flowabs_nodes.filters.threshold`.
     iterations
