@@ -19,11 +19,11 @@ from flowabs_nodes.simd.pixelwise import any_nan, as_picture, as_run, empty_run,
 from flowabs_nodes.simd.premultiplied import TINY, load_rgba
 
 
-def shoulder(image: npt.ArrayLike, knee: float = 0.6, headroom: float = 0.4) -> Array:
+def shoulder(image: npt.ArrayLike, knee: float = 0.6, headroom: float = 0.4, lift: float = 0.0) -> Array:
     """Compress light above a knee: m' = knee + headroom (1 - exp(-(m - knee) / headroom)), and RGB times m' / m.
 
     m is the largest of R, G, B, divided by alpha where that is above 0. What is at most the knee stays bit for bit, the
-    slope at the knee is 1, and no channel of a finite colour passes knee + headroom.
+    slope at the knee is 1, and no channel of a finite colour passes knee + headroom + lift.
 
     Parameters
     ----------
@@ -33,6 +33,9 @@ def shoulder(image: npt.ArrayLike, knee: float = 0.6, headroom: float = 0.4) -> 
         Light from which on it is compressed, at least 0.
     headroom
         How much light above the knee all highlights share, above 0.
+    lift
+        Light that is added last, 0 to 1e30, times alpha: under an encoding by stops, what is much darker than this no
+        longer counts the more the darker it is.
 
     Returns
     -------
@@ -49,19 +52,29 @@ def shoulder(image: npt.ArrayLike, knee: float = 0.6, headroom: float = 0.4) -> 
         raise ArgumentError(f"image: expected shape (H, W, 3) or (H, W, 4), found {image.shape}", parameter="image")
     knee = validate.number("knee", knee, min=0, max=1e30)
     headroom = validate.number("headroom", headroom, above=0, max=1e30)
+    lift = validate.number("lift", lift, min=0, max=1e30)
     run = as_run(image, channels)
     pixels = run.size // channels
     result = empty_run(pixels, channels)
     picture = as_picture(result, *image.shape)
     slope = np.float32(min(1 / headroom, 1e30))
-    if any(over_pixels(_compress, pixels, run, channels, np.float32(knee), np.float32(headroom), slope, result)):
+    rule = np.float32(knee), np.float32(headroom), slope, np.float32(lift)
+    if any(over_pixels(_compress, pixels, run, channels, *rule, result)):
         refuse_overflow("image", image, picture)
     return picture
 
 
 @kernel
 def _compress(
-    first: int, last: int, image: Array, channels: int, knee: float, headroom: float, slope: float, result: Array
+    first: int,
+    last: int,
+    image: Array,
+    channels: int,
+    knee: float,
+    headroom: float,
+    slope: float,
+    lift: float,
+    result: Array,
 ) -> Any:
     """Write the blocks ``first`` .. ``last`` - 1 of sixteen pixels; return whether one is not finite.
 
@@ -77,6 +90,9 @@ def _compress(
         gain = select(light > knee, compressed / light, splat_floats(1.0))
         total = total + (zero_or_nan(r) + zero_or_nan(g) + zero_or_nan(b))
         r, g, b = r * gain, g * gain, b * gain
+        if lift > 0:
+            lifted = lift * maximum(a, 0.0)
+            r, g, b = r + lifted, g + lifted, b + lifted
         if channels == 4:
             store_quads(result, 4 * i, (r, g, b, a))
         else:

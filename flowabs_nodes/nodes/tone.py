@@ -50,9 +50,9 @@ EXPOSURE = Node(
 )
 
 
-def run_shoulder(context: Context, image: Image, *, knee: float, headroom: float) -> Image:
+def run_shoulder(context: Context, image: Image, *, knee: float, headroom: float, lift: float) -> Image:
     def compress(rows: Array, first_row: int) -> Array:
-        return filters.shoulder(rows, knee=knee, headroom=headroom)
+        return filters.shoulder(rows, knee=knee, headroom=headroom, lift=lift)
 
     return with_operation(image, compress, context.node)
 
@@ -66,8 +66,8 @@ SHOULDER = Node(
     doc=(
         "With m the largest of R, G, B, divided by alpha: m' = knee + headroom (1 - exp(-(m - knee) / headroom)) where "
         "m is above the knee, and RGB times m' / m. What is darker stays bit for bit; no highlight passes knee + "
-        "headroom. It goes before etf, dog or fdog; flats and the composite take the picture without it, and keep its "
-        "light."
+        "headroom. Then lift is added, times alpha. It goes before etf, dog or fdog; flats and the composite take the "
+        "picture without it, and keep its light."
     ),
     inputs=(Port("image", "color", "The picture."),),
     outputs=(Port("image", "color", "The picture with compressed highlights; alpha as it was."),),
@@ -81,6 +81,14 @@ SHOULDER = Node(
             above=True,
             soft=(0.05, 2),
             help="How much light above the knee all highlights share: larger keeps more of their differences.",
+        ),
+        Param.float(
+            "lift",
+            0.0,
+            min=0,
+            max=65504,
+            soft=(0, 0.1),
+            help="Light that is added to all: under acescct the noise of near-black then counts no more than the rest.",
         ),
     ),
     run=run_shoulder,

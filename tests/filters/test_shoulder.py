@@ -105,3 +105,14 @@ def test_every_number_of_threads_gives_the_same_bits(each_thread_count):
     one, *others = each_thread_count(lambda: shoulder(image))
     for other in others:
         np.testing.assert_array_equal(one, other)
+
+
+def test_lift_is_added_times_alpha():
+    image = np.float32(np.random.default_rng(2).uniform(-0.1, 3, (5, 7, 3)))
+    np.testing.assert_allclose(shoulder(image, lift=0.02), shoulder(image) + np.float32(0.02), rtol=1e-6)
+    alpha = np.float32([0, 0.25, 1, -1])[None, :, None]
+    result = shoulder(np.concatenate([np.full((1, 4, 3), 0.1, np.float32), alpha], -1), lift=0.5)
+    np.testing.assert_allclose(result[0, :, 0], [0.1, 0.225, 0.6, 0.1])
+    np.testing.assert_array_equal(result[..., 3:], alpha)
+    with pytest.raises(ArgumentError, match="lift"):
+        shoulder(image, lift=-0.1)
