@@ -11,12 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from flowabs_nodes.errors import ArgumentError, nearest
+from flowabs_nodes.filters.background import FAR
 
 #: The name of a port type, a key of :data:`TYPES`.
 PortType = str
-
-#: The depth of what is infinitely far away, in scene units, as Blender has it: finite, so that 1/Z and means are too.
-FAR = 1e10
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ import numpy.typing as npt
 import OpenImageIO as oiio
 
 from flowabs_nodes.errors import FlowabsError, ReadError
+from flowabs_nodes.filters.background import FAR
 from flowabs_nodes.image import Image, Origin
 from flowabs_nodes.io import passes
 from flowabs_nodes.io.image_file import PictureFile, open_picture
@@ -20,7 +21,7 @@ from flowabs_nodes.io.layers import Selection
 from flowabs_nodes.io.pass_names import DEPTH, NORMAL, Names
 from flowabs_nodes.io.read import Say, quiet, selected_spec
 from flowabs_nodes.io.settings import Settings, checked
-from flowabs_nodes.port_types import FAR, TYPES, PortType
+from flowabs_nodes.port_types import TYPES, PortType
 
 #: The largest half: what any larger number may have become in a file.
 HALF_MAX = 65504.0

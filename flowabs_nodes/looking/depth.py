@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from flowabs_nodes.filters.background import FAR
 from flowabs_nodes.image import Image
 from flowabs_nodes.looking.look import Look
 from flowabs_nodes.looking.stretch import finite_range, grey, stretched
-from flowabs_nodes.port_types import FAR
 
 #: A few pixels may be much nearer or farther than all others.
 _PERCENTILES = (1.0, 99.0)

@@ -164,6 +164,7 @@ THIN = (
         group="Response",
         help="Draw bright lines up to this width (a whisker, a cable, a rim of light) as one line on their middle. 0 "
         "draws one along each side of them.",
+        later=True,
     ),
 )
 

@@ -13,6 +13,7 @@ from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.common_params import SPACE
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
+from flowabs_nodes.port_types import pixel_type
 
 #: An input on the frames of the window, by their offset from the node's own.
 Window = Mapping[int, Image]
@@ -48,7 +49,7 @@ def run_motion_window(
         context.note(
             f"{lost} pixels have a motion that leads nowhere (NaN, Inf, 1e9 or more): they keep to their frame"
         )
-    looks_at = guide or (image if own.type in ("color", "mono") else None)
+    looks_at = guide or (image if pixel_type(own.type).light else None)
     result = motion_window(
         {k: _values(image[k], space) for k in frames},
         {k: motion[k].pixels for k in frames},

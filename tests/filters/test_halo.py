@@ -98,6 +98,6 @@ def test_passes_add_up():
     assert halo.fdog_iterative(3.0, 20.0, 3, 1.0, 7.0) == halo.fdog_iterative(3.0, 20.0, 3, 1.0)  # which read farther
     thin = 2 * (4 + 1) + 2 * (2 + 1) + halo.flow_blur(8.0)
     assert halo.fdog(3.0, 1.0, thin_lines=4.0) == halo.fdog(3.0, 1.0) + thin
-    assert halo.fdog(3.0, 1.0, 7.0, 2, 8.0) == 2 * (5 + 1 + 3 + 1 + thin + 3)
+    assert halo.fdog(3.0, 1.0, 7.0, 2, thin_lines=8.0) == 2 * (5 + 1 + 3 + 1 + thin + 3)
     assert halo.bilateral_oriented(2.0, 0.5, 5, "line") == halo.fbl(2.0, 0.5, 5)
     assert halo.bilateral_oriented(2.0, 0.5, 5, "arc") > halo.fbl(2.0, 0.5, 5)

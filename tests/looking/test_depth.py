@@ -1,7 +1,7 @@
 import numpy as np
 
+from flowabs_nodes.filters.background import FAR
 from flowabs_nodes.looking.depth import look_at_depth
-from flowabs_nodes.port_types import FAR
 from tests.looking.images import image
 
 

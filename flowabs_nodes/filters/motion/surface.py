@@ -5,14 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from flowabs_nodes.array_types import Array
-from flowabs_nodes.port_types import FAR
+from flowabs_nodes.filters.background import BACKGROUND, FAR
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import kernel
 from flowabs_nodes.simd.lanes import LANES, select, splat_floats
 from flowabs_nodes.simd.memory import load, load_triples, store, store_quads
-
-#: Depth from which on there is background.
-BACKGROUND = 1e9
 
 
 def known_depths(depth: Array, stride: int) -> Array:

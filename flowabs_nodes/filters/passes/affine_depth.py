@@ -14,12 +14,12 @@ import numpy as np
 
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.errors import ArgumentError
+from flowabs_nodes.filters.background import BACKGROUND
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import kernel
 
-#: Depths from here on are background, as are those that are not finite, the largest half, and those not above 0.
-BACKGROUND = 1e9
-#: The largest half: what is further away may have become background in a file of halves.
+#: The largest half: what is further away may have become background in a file of halves. It counts as background, as do
+#: depths that are not finite or not above 0.
 HALF_MAX = 65504.0
 
 _LARGEST = 1e30  # of u either way: differences of such numbers are finite

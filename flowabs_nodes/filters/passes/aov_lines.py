@@ -21,7 +21,6 @@ from flowabs_nodes.filters.passes.fit import directed, fitted
 from flowabs_nodes.filters.passes.own_depth import own_depth
 from flowabs_nodes.filters.passes.own_material import own_material
 from flowabs_nodes.filters.passes.passes_flow import passes_flow
-from flowabs_nodes.port_types import pixel_type
 
 
 class AovLines(NamedTuple):
@@ -109,8 +108,7 @@ def aov_lines(
     ArgumentError
         None of depth, normal and id is given, passes differ in size, or a parameter is out of range.
     """
-    given = {"depth": depth, "normal": normal, "id": id}
-    if all(each is None for each in given.values()):
+    if depth is None and normal is None and id is None:
         raise ArgumentError("expected at least one of depth, normal and id, found none", code="missing-input")
     width = validate.number("width", width, min=0.5, max=8)
     crease_width = validate.number("crease_width", crease_width, min=0.5, max=8)
@@ -124,7 +122,7 @@ def aov_lines(
     field_of_view = validate.number("field_of_view", field_of_view, min=1, max=179)
     for name in outputs:
         validate.choice("outputs", name, AovLines._fields)
-    height, wide = _shape(given)
+    height, wide = _shape(depth=depth, normal=normal, id=id)
     depth_pass, normals = _depth(depth, (height, wide)), _normals(normal, (height, wide))
     ids, materials = _ids("id", id, (height, wide)), _ids("material", material, (height, wide))
     covered = _coverage(coverage, ids)
@@ -162,7 +160,7 @@ def aov_lines(
     )
 
 
-def _shape(given: dict[str, npt.ArrayLike | None]) -> tuple[int, int]:
+def _shape(**given: npt.ArrayLike | None) -> tuple[int, int]:
     """Return the height and width of the first pass that is given."""
     name, first = next((name, np.asarray(each)) for name, each in given.items() if each is not None)
     if first.ndim < 2 or first.shape[0] * first.shape[1] == 0:
@@ -182,15 +180,7 @@ def _ids(name: str, value: npt.ArrayLike | None, shape: tuple[int, int]) -> Uint
     """Return whole numbers as (H, W) uint32, of no pixels where there are none."""
     if value is None:
         return np.empty((0, 0), np.uint32)
-    ids = np.asarray(value)
-    if ids.shape != shape:
-        expected = f"(H, W) of the picture, {shape}"
-        raise ArgumentError(f"{name}: expected shape {expected}, found {ids.shape}", parameter=name)
-    try:
-        whole: Uint32 = pixel_type("id").cast(ids, whole_floats=True)
-    except ArgumentError as error:
-        raise ArgumentError(f"{name}: {error.message}", parameter=name) from None
-    return whole
+    return validate.ids(name, value, shape)
 
 
 def _coverage(coverage: npt.ArrayLike | None, ids: Uint32) -> Array:

@@ -28,6 +28,7 @@ import numpy.typing as npt
 from flowabs_nodes.array_types import Array, Int32
 from flowabs_nodes.errors import ArgumentError, nearest
 from flowabs_nodes.filters import validate
+from flowabs_nodes.filters.background import BACKGROUND
 from flowabs_nodes.filters.lines.stroke import stroke
 from flowabs_nodes.filters.lines.stroke_widths import Block, ink_at
 from flowabs_nodes.filters.passes.pens import PENS, WIDEST, Pen
@@ -55,7 +56,6 @@ from flowabs_nodes.simd.memory import gather_pairs, load, scratch, store, store_
 _KINDS = tuple(PENS)
 _CREASE = _KINDS.index("crease")
 _STEEPEST = np.float32(1.25)  # of a distance, a pixel further; what is steeper is a jump to another edge
-_FAR = np.float32(1e9)  # depths from here on are the background
 
 
 class Pens(NamedTuple):
@@ -256,5 +256,5 @@ def _by_depth(
         store(place, 0, y * (raster.stride + 1) + x)
         there, _ = gather_pairs(depth, place, 0)
         z = select(there < z, there, z)
-    scale = exp2(pens.by_depth * log2(pens.reference / minimum(maximum(z, 1e-6), _FAR)))
-    return select(z < _FAR, scale, 1.0)
+    scale = exp2(pens.by_depth * log2(pens.reference / minimum(maximum(z, 1e-6), BACKGROUND)))
+    return select(z < BACKGROUND, scale, 1.0)
