@@ -193,6 +193,23 @@ def test_passes_of_another_size_are_an_error(name: str, tmp_path: Path) -> None:
         made(loaded(name, **{"depth.file": str(small)}), "pens.lines")
 
 
+@pytest.mark.parametrize(("convention", "warned"), [("auto", False), ("forward", True)])
+def test_motion_in_another_convention_is_told(convention: str, warned: bool) -> None:
+    said: list[dict[str, Any]] = []
+    toon = loaded("toon", **{"pass_motion.convention": convention})
+    toon.run(2, outputs="window", on_event=said.append)
+    warnings = [each["text"] for each in said if each["level"] == "warning"]
+    assert any("convention" in each for each in warnings) == warned
+
+
+@pytest.mark.parametrize("name", PASSES)
+def test_a_plate_without_any_pass_is_an_error_that_says_so(name: str, tmp_path: Path) -> None:
+    plate = exr(tmp_path / "plate.exr", planes(np.random.default_rng(1).random((54, 96, 3), np.float32)))
+    with pytest.raises(fa.FlowabsError, match="the file's only layer is no single number: R, G, B differ") as caught:
+        made(loaded(name).with_set({"plate.file": str(plate)}), "comp", 1)
+    assert caught.value.node == "depth"
+
+
 def test_nan_and_an_empty_scene_do_no_harm(tmp_path: Path) -> None:
     broken, empty = np.full((54, 96), np.nan, np.float32), np.full((54, 96), 1e10, np.float32)
     for depth in (broken, empty):
