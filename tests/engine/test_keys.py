@@ -161,8 +161,8 @@ def test_a_key_holds_those_of_all_frames_that_are_read():
 @pytest.mark.parametrize(
     ("name", "keys"),
     [
-        ("lines", {"flow": "377c0f43997a", "lines": "6725f5ef41ab", "out": "e549c446b9b6"}),
-        ("abstraction_hdr", {"flow": "d9e6bfce8e27", "comp": "94f7d3cb28bf", "out": "425af90cc5b3"}),
+        ("lines", {"flow": "b2028d1faa6c", "lines": "cb86eb199fd2", "out": "f8c7b4c0b51d"}),
+        ("abstraction_hdr", {"flow": "d9e6bfce8e27", "comp": "6c88f7a88558", "out": "469bc57b10e4"}),
         ("flat", {"flow": "bb967e6188b0", "out": "cf7524b68be1"}),
     ],
 )

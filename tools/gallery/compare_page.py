@@ -48,7 +48,7 @@ What the graph's values are worth, each changed alone, on these pictures (as shi
 | `ink_shoulder.lift` 0 instead of 0.02 | .029 | 4.7 | 11.2 | more in dark faces and coats, and noise in near-black |
 | no evidence, `lines.evidence` 0 | .027 | 4.9 | 10.1 | more specks |
 | neither length nor taper, `strokes` off | .027 | 4.4 | 10.1 | more specks, blunt ends |
-| `space` lab, `contrast` .55, `softness` 4, `color_weight` 1 | .027 | 4.0 | 7.7 | dark faces fade, pale skies draw |
+| `space` lab, `contrast` .55, `softness` 4, `color_weight` 1 | .027 | 4.0 | 7.7 | dark faces fade |
 | `lines.smooth` 1.5 instead of 3.2 | .026 | 5.0 | 9.8 | |
 | two passes of FBL before the lines instead of one | .026 | 4.5 | 9.6 | takes longer |
 | one pass of lines instead of two | .027 | 3.3 | 5.0 | pencil instead of pen |
