@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from flowabs_nodes.filters.flow.gradient import measure_reference
     from flowabs_nodes.filters.flow.lic import lic
     from flowabs_nodes.filters.gaussian_blur import blur
-    from flowabs_nodes.filters.ink_color import ink_color
+    from flowabs_nodes.filters.highlights import shoulder
+    from flowabs_nodes.filters.inks import ink_color
     from flowabs_nodes.filters.lines.canny import canny
     from flowabs_nodes.filters.lines.dog import dog
     from flowabs_nodes.filters.lines.fdog import fdog
@@ -40,7 +41,6 @@ if TYPE_CHECKING:
     from flowabs_nodes.filters.regions.mean_shift import mean_shift, measure_clipping
     from flowabs_nodes.filters.regions.quantize import quantize
     from flowabs_nodes.filters.regions.rolling_guidance import rolling_guidance
-    from flowabs_nodes.filters.shoulder import shoulder
     from flowabs_nodes.filters.warming import warm_up
 
 __all__ = [
@@ -95,7 +95,7 @@ _HOMES = {
     "flow_blur": "flow.flow_blur",
     "flow_color": "flow.flow_color",
     "id_matte": "passes.id_matte",
-    "ink_color": "ink_color",
+    "ink_color": "inks",
     "ink_lines": "passes.ink_lines",
     "join_lines": "passes.join_lines",
     "lic": "flow.lic",
@@ -106,7 +106,7 @@ _HOMES = {
     "optical_flow": "motion.optical_flow",
     "quantize": "regions.quantize",
     "rolling_guidance": "regions.rolling_guidance",
-    "shoulder": "shoulder",
+    "shoulder": "highlights",
     "stroke": "lines.stroke",
     "threshold": "lines.threshold",
     "warm_up": "warming",

@@ -58,12 +58,21 @@ def soft_edges(soft_reach: float) -> int:
     return blur(t) + along(steps_across(soft_reach)) + flow_blur(t)
 
 
-def _thin_lines(width: float) -> int:
-    """Return the halo of bright lines of up to ``width`` pixels: a closing over twice that and an opening, both across.
+def _across(sigma_c: float, pre_blur: float, factor: int) -> int:
+    """Return the halo of the sums across the flow of a blurred picture, ``factor`` times smaller."""
+    return blur(pre_blur / factor) + along(dog(sigma_c / factor))
 
-    The opening over twice the width reads no farther. What they find is blurred along the flow.
+
+def _thin_lines(width: float, sigma_c: float, pre_blur: float, factor: int, further: int) -> int:
+    """Return the halo of bright lines of up to ``width`` pixels, in pixels of a picture ``factor`` times smaller.
+
+    They are looked for in one that is ``further`` times smaller still, by a closing over twice the width and an
+    opening, both across; the opening over twice the width reads no farther. What they find is blurred along the flow.
     """
-    return 2 * along(math.ceil(width)) + 2 * along(math.ceil(width / 2)) + flow_blur(2 * width)
+    own = factor * further
+    w = width / own
+    found = 2 * along(math.ceil(w)) + 2 * along(math.ceil(w / 2)) + flow_blur(2 * w)
+    return _brought_up(_across(sigma_c, pre_blur, own) + found, further)
 
 
 def fdog(
@@ -73,13 +82,15 @@ def fdog(
     factor: int = 1,
     soft_factor: int = 1,
     thin_lines: float = 0.0,
+    thin_factor: int = 1,
 ) -> int:
     """Return the halo of eq. 6, or of eqs. 10 and 11: across the flow at every point along it.
 
     ``soft_reach`` is None where soft edges are not looked for; ``soft_factor`` reduces the picture that they are
-    measured in, if by more than ``factor``. ``thin_lines`` is 0 where thin lines are not looked for.
+    measured in, if by more than ``factor``. ``thin_lines`` is 0 where thin lines are not looked for, ``thin_factor`` as
+    ``soft_factor``.
     """
-    return fdog_iterative(sigma_m, sigma_c, 1, 0, soft_reach, factor, soft_factor, thin_lines)
+    return fdog_iterative(sigma_m, sigma_c, 1, 0, soft_reach, factor, soft_factor, thin_lines, thin_factor)
 
 
 def fdog_iterative(
@@ -91,16 +102,17 @@ def fdog_iterative(
     factor: int = 1,
     soft_factor: int = 1,
     thin_lines: float = 0.0,
+    thin_factor: int = 1,
 ) -> int:
     """Return the halo of ``iterations`` passes of FDoG, each of a picture that is blurred first.
 
-    ``soft_reach``, ``soft_factor`` and ``thin_lines`` are as in :func:`fdog`. What soft edges lack, and what thin lines
+    ``soft_reach``, ``thin_lines`` and their factors are as in :func:`fdog`. What soft edges lack, and what thin lines
     get, comes of the picture without ink.
     """
-    across = blur(pre_blur / factor) + along(dog(sigma_c / factor))
+    across = _across(sigma_c, pre_blur, factor)
     further = max(soft_factor // factor, 1)
     soft = 0 if soft_reach is None else _brought_up(soft_edges(soft_reach / (factor * further)), further)
-    thin = 0 if thin_lines == 0 else across + _thin_lines(thin_lines / factor)
+    thin = 0 if thin_lines == 0 else _thin_lines(thin_lines, sigma_c, pre_blur, factor, max(thin_factor // factor, 1))
     passes = iterations * flow_blur(sigma_m / factor) + (iterations - 1) * across + max(across, soft, thin)
     return _brought_up(passes, factor)
 

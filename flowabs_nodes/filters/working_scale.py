@@ -52,9 +52,22 @@ def step_along(working_scale: str, pre_blur: float) -> int:
     return 2 if working_scale != "full" and pre_blur >= 2.5 else 1
 
 
+def step_of_smoothing(working_scale: str, smooth: float) -> int:
+    """Return the same for lines that are blurred along the flow in the end by ``smooth`` pixels of the full size."""
+    return 2 if working_scale != "full" and smooth >= 3.0 else 1
+
+
 def soft_edges_factor(working_scale: str, t: float) -> int:
     """Return the factor of what soft edges lack; ``t`` is the blur of the picture in which they are measured."""
     return _factor(working_scale, (t, 3.0))
+
+
+def thin_lines_factor(working_scale: str, thin_lines: float, sigma_c: float, pre_blur: float) -> int:
+    """Return the factor of looking for bright lines of up to ``thin_lines`` pixels; 0 looks for none.
+
+    What becomes of them is as smooth as the Gaussians before the response together.
+    """
+    return _factor(working_scale, (thin_lines, 3.5), (math.hypot(sigma_c, pre_blur), 1.4))
 
 
 def evidence_factor(working_scale: str, sigma_c: float, pre_blur: float) -> int:

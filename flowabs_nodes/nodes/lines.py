@@ -13,9 +13,15 @@ import numpy as np
 
 from flowabs_nodes import filters
 from flowabs_nodes.array_types import Array
-from flowabs_nodes.filters import halo
+from flowabs_nodes.filters import gaussian, halo
 from flowabs_nodes.filters.lines.soft_reach import lengths as soft_edge_lengths
-from flowabs_nodes.filters.working_scale import evidence_factor, lines_factor, soft_edges_factor
+from flowabs_nodes.filters.working_scale import (
+    evidence_factor,
+    lines_factor,
+    soft_edges_factor,
+    step_of_smoothing,
+    thin_lines_factor,
+)
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.common_params import GROUND, SPACE
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
@@ -83,9 +89,15 @@ def within_mask(lines: Array, mask: Image | None) -> Array:
     return lines * ink + (1 - ink)  # where the mask is 1 no bit changes
 
 
-def smoothed(lines: Array, flow: Image, sigma: float, sampling: str) -> Array:
-    """Return the lines, blurred along the flow unless ``sigma`` (pixels) is 0."""
-    return lines if sigma == 0 else filters.flow_blur(lines, flow.pixels, sigma=sigma, sampling=sampling)
+def smoothed(lines: Array, flow: Image, sigma: float, sampling: str, working_scale: str) -> Array:
+    """Return the lines, (H, W), blurred along the flow unless ``sigma`` (pixels) is 0."""
+    if sigma == 0:
+        return lines
+    from flowabs_nodes.filters.flow.flow_blur import along  # what numba compiles is not imported for a declaration
+
+    weights = gaussian.every(step_of_smoothing(working_scale, sigma), gaussian.half(sigma))
+    blurred: Array = along(np.ascontiguousarray(lines[None]), flow.pixels, weights, sampling)[0]
+    return blurred
 
 
 def run_dog(
@@ -132,7 +144,7 @@ def run_fdog(
     code = code_values(image, space, ground, color_weight)
     respond = partial(filters.fdog, code, flow.pixels, color_weight=color_weight, evidence=evidence)
     lines, response = draw(respond, **fdog)
-    return outputs(image, smoothed(lines, flow, smooth, fdog["sampling"]), response, mask)
+    return outputs(image, smoothed(lines, flow, smooth, fdog["sampling"], fdog["working_scale"]), response, mask)
 
 
 def _soft_reach(params: Mapping[str, Any]) -> float | None:
@@ -146,10 +158,16 @@ def _soft_factor(params: Mapping[str, Any]) -> int:
     return soft_edges_factor(params["working_scale"], soft_edge_lengths(params["soft_reach"]).t)
 
 
+def _thin(params: Mapping[str, Any], pre_blur: float = 0.0) -> tuple[float, int]:
+    """Return the width of thin bright lines, and the factor at which they are looked for."""
+    width = params["thin_lines"]
+    return width, thin_lines_factor(params["working_scale"], width, params["sigma_c"], pre_blur)
+
+
 def _fdog_halo(params: Mapping[str, Any]) -> int:
     sigma_m, sigma_c = params["sigma_m"], params["sigma_c"]
     factor = lines_factor(params["working_scale"], sigma_c)
-    response = halo.fdog(sigma_m, sigma_c, _soft_reach(params), factor, _soft_factor(params), params["thin_lines"])
+    response = halo.fdog(sigma_m, sigma_c, _soft_reach(params), factor, _soft_factor(params), *_thin(params))
     return response + _halo_after(params, factor)
 
 
@@ -196,13 +214,19 @@ def run_fdog_iterative(
     passes = Passes.checked(color_weight=color_weight, **fdog_iterative)
     # Code values that nobody else wants are held by the filter alone, which lets go of them.
     lines, response = passes.draw(code_values(image, space, ground, color_weight), flow.pixels)
-    return outputs(image, smoothed(lines, flow, smooth, fdog_iterative["sampling"]), response, mask)
+    return outputs(
+        image,
+        smoothed(lines, flow, smooth, fdog_iterative["sampling"], fdog_iterative["working_scale"]),
+        response,
+        mask,
+    )
 
 
 def _fdog_iterative_halo(params: Mapping[str, Any]) -> int:
     lengths = params["sigma_m"], params["sigma_c"], params["iterations"], params["pre_blur"]
     factor = lines_factor(params["working_scale"], *lengths[1:])
-    passes = halo.fdog_iterative(*lengths, _soft_reach(params), factor, _soft_factor(params), params["thin_lines"])
+    thin = _thin(params, params["pre_blur"])
+    passes = halo.fdog_iterative(*lengths, _soft_reach(params), factor, _soft_factor(params), *thin)
     return passes + _halo_after(params, factor, params["pre_blur"])
 
 

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -28,6 +29,12 @@ def run(code):
 
 def test_importing_the_package_does_not_import_numba():
     assert run("import sys; from flowabs_nodes import filters; print('numba' in sys.modules)") == ["False"]
+
+
+def test_no_module_beside_the_functions_has_the_name_of_one():
+    """Python binds a module that is imported to its name in the package, over the function."""
+    folder = Path(filters.__file__).parent
+    assert not {path.stem for path in folder.iterdir()} & set(filters.__all__)
 
 
 def test_a_name_of_the_package_is_always_the_function():

@@ -124,7 +124,7 @@ def fdog(
         working_scale=working_scale,
         factor=detector.factor,
     )
-    thin = ThinLines.checked(thin_lines, detector.taps, factor=detector.factor)
+    thin = ThinLines.checked(thin_lines, sigma_c=sigma_c, rho=rho, working_scale=working_scale, factor=detector.factor)
     planes, small_flow = detector.reduced(code, flow)
     missing = None if soft is None else soft.missing(planes, small_flow)
     if thin is not None:

@@ -165,7 +165,14 @@ class Passes:
             working_scale=working_scale,
             factor=detector.factor,
         )
-        thin = ThinLines.checked(thin_lines, detector.taps, pre_blur, detector.factor)
+        thin = ThinLines.checked(
+            thin_lines,
+            sigma_c=sigma_c,
+            rho=rho,
+            pre_blur=pre_blur,
+            working_scale=working_scale,
+            factor=detector.factor,
+        )
         evidence = 0.0 if is_xdog else validate.number("evidence", evidence, min=0, max=1)
         if is_xdog:
             lines_of = partial(xdog, p=p, epsilon=epsilon, phi=phi)

@@ -24,9 +24,12 @@ import numpy as np
 from flowabs_nodes.array_types import Array, Float64
 from flowabs_nodes.filters import gaussian, validate
 from flowabs_nodes.filters.flow.flow_blur import along
+from flowabs_nodes.filters.flow.flow_resolution import reduced_flow
 from flowabs_nodes.filters.gaussian_blur import blur
 from flowabs_nodes.filters.lines.dog_line import across
 from flowabs_nodes.filters.lines.extrema_across import closing, opening
+from flowabs_nodes.filters.working_scale import READ_TWICE, shortened_blur, thin_lines_factor
+from flowabs_nodes.sampling.resolution import enlarged, reduced
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import Floats, maximum, minimum
 from flowabs_nodes.simd.memory import load, store
@@ -44,29 +47,46 @@ _MOST = 3.0  # times T is mirrored at most, where the line's foot is wider than 
 class ThinLines:
     """How thin bright lines are drawn, with the parameters checked."""
 
-    width: float  # W in pixels of the size that is worked on
+    width: float  # W in pixels of the size that they are looked for at, as are all lengths here
     taps: Float64  # f (eq. 8)
     pre_blur: float  # sigma of the blur that the line filter's picture gets
+    factor: int  # by which the lines' picture is reduced once more
 
     @classmethod
-    def checked(cls, thin_lines: float, taps: Float64, pre_blur: float = 0.0, factor: int = 1) -> ThinLines | None:
+    def checked(
+        cls,
+        thin_lines: float,
+        *,
+        sigma_c: float,
+        rho: float,
+        pre_blur: float = 0.0,
+        working_scale: str = "full",
+        factor: int = 1,
+    ) -> ThinLines | None:
         """Return how thin bright lines are drawn, None where ``thin_lines`` is 0; raise ArgumentError if it is bad.
 
-        ``taps`` are those of the size that is worked on, ``factor`` times smaller; ``pre_blur`` is of the full size.
+        ``sigma_c``, ``rho`` and ``pre_blur`` are those of the line filter, checked already. ``factor`` is that by which
+        the lines' picture is reduced; lines are looked for at that size, or at a smaller one where ``working_scale``
+        and their width allow it. All lengths are those of the full size.
         """
         width = validate.number("thin_lines", thin_lines, min=0, max=10_000)
-        return cls(width / factor, taps, pre_blur / factor) if width > 0 else None
+        if width == 0:
+            return None
+        own = max(factor, thin_lines_factor(working_scale, width, sigma_c, pre_blur))
+        inner, outer = (shortened_blur(s, own, READ_TWICE) for s in (sigma_c, gaussian.SURROUND * sigma_c))
+        return cls(width / own, gaussian.difference(inner, rho, outer), pre_blur / own, own // factor)
 
     def added(self, missing: Array | None, planes: Array, flow: Array) -> Array:
         """Return ``missing``, what is added to the sums across the flow of planes (C, H, W), with thin lines' part.
 
         None is nothing. Only the first plane, lightness, is mirrored.
         """
-        mirrored = mirror(planes[0], flow, self.width)
+        flow = reduced_flow(flow, self.factor)
+        mirrored = mirror(reduced(planes[0], self.factor), flow, self.width)
         if self.pre_blur > 0:
             mirrored = blur(mirrored, self.pre_blur)
         total = np.zeros_like(planes) if missing is None else missing.copy()
-        total[0] += across(mirrored[None], flow, self.taps)[0]
+        total[0] += enlarged(across(mirrored[None], flow, self.taps), self.factor, *planes.shape[1:])[0]
         return total
 
 

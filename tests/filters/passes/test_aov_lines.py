@@ -326,9 +326,9 @@ def test_what_is_refused():
         filters.aov_lines()
     with pytest.raises(ArgumentError, match=r"normal: expected the size of the picture, 56x40, found 20x9"):
         filters.aov_lines(depth, np.zeros((9, 20, 3)))
-    with pytest.raises(ArgumentError, match=r"id: .*\(40, 56\).*found \(9, 20\)"):
+    with pytest.raises(ArgumentError, match=r"id: expected the size of the picture, 56x40, found 20x9"):
         filters.aov_lines(depth, id=np.zeros((9, 20), np.uint32))
-    with pytest.raises(ArgumentError, match="id: id pixels are whole numbers"):
+    with pytest.raises(ArgumentError, match="id: expected whole numbers, found dtype float"):
         filters.aov_lines(id=depth)
     with pytest.raises(ArgumentError, match="coverage: needs the id pass"):
         filters.aov_lines(depth, coverage=depth)
