@@ -14,6 +14,7 @@ from tools.bench.timing import Case
 if TYPE_CHECKING:
     from flowabs_nodes.image import Image
     from tools.bench.scene import Array
+    from tools.bench.shot import Shot
 
 # The paper's pipeline with its defaults, which are those of the nodes.
 P = {
@@ -75,6 +76,13 @@ class Plate:
     @cached_property
     def lines(self) -> Array:
         return filters.threshold(self.response)
+
+    @cached_property
+    def shot(self) -> Shot:
+        """Return passes of a shot of the picture's size, and frames around it."""
+        from tools.bench.shot import Shot
+
+        return Shot(self.rgb)
 
     @cached_property
     def bytes(self) -> Any:
@@ -163,6 +171,12 @@ STAGES: dict[str, Stage] = {
     "decode-acescct": _plain(lambda p: color.decode(p.acescct, "acescct")),
     "bilateral-full": _plain(lambda p: filters.bilateral(p.codes, iterations=1)),
     "bilateral-xy": _plain(lambda p: filters.bilateral(p.codes, iterations=1, kernel="xy")),
+    "aov-lines": _plain(lambda p: filters.aov_lines(**p.shot.passes)),
+    "ink-lines": _plain(lambda p: filters.ink_lines(p.shot.edges.distance, p.shot.mattes)),
+    "join-lines": _plain(lambda p: filters.join_lines(p.shot.edges.lines, p.lines)),
+    "boil": _plain(lambda p: filters.boil(p.shot.edges.lines, p.shot.edges.flow, 2.0)),
+    "id-matte": _plain(lambda p: filters.id_matte(p.shot.passes["id"], (1, 2, 3))),
+    "motion-window": _plain(lambda p: filters.motion_window(**p.shot.window)),
 }
 
 
