@@ -58,7 +58,9 @@ def test_all_types_can_be_turned(tree_of: Any) -> None:
 
 
 def test_a_driven_parameter_says_so(tree_of: Any) -> None:
-    tree = tree_of(preset("abstraction"))
+    graph = preset("abstraction")
+    contrasts = dict(graph["nodes"]["lines"]["params"]["contrast"]["map"])  # by line_amount
+    tree = tree_of(graph)
     node = node_of(tree, "lines")
     declared = declaration_of(node).all_params
     said = {
@@ -66,10 +68,10 @@ def test_a_driven_parameter_says_so(tree_of: Any) -> None:
         for name in ("sigma_c", "contrast")
         if (drive := driving.driven_by(node, declared[name]))
     }
-    assert said == {"sigma_c": "1 (line_width)", "contrast": "0.55 (line_amount, mapped)"}
+    assert said == {"sigma_c": "1 (line_width)", "contrast": f"{contrasts[0.5]} (line_amount, mapped)"}
     tree["line_amount"] = 0.25
     assert node_drawing._driven_value(node, declared["contrast"], driving.driven_by(node, declared["contrast"])) == (
-        "1.9 (line_amount, mapped)"
+        f"{contrasts[0.25]} (line_amount, mapped)"
     )
 
 
