@@ -19,6 +19,8 @@ from flowabs_nodes.filters.working_scale import (
     shortened_range,
     soft_edges_factor,
     step_along,
+    step_of_smoothing,
+    thin_lines_factor,
 )
 
 #: The shipped cartoon's lengths on a picture of 2160 lines.
@@ -101,6 +103,20 @@ def test_auto_keeps_ink_wider_than_a_pixel_where_evidence_is_looked_for(factor, 
 
 
 @pytest.mark.parametrize(
+    ("factor", "width", "sigma_c", "pre_blur"),
+    [(1, 6.9, 2, 3.4), (2, 7, 2, 3.4), (2, 13.9, 4, 6.8), (4, 14, 4, 6.8), (1, 20, 2.7, 0), (2, 20, 5.5, 0)],
+)
+def test_auto_keeps_thin_bright_lines_wide_enough(factor, width, sigma_c, pre_blur):
+    assert thin_lines_factor("auto", width, sigma_c, pre_blur) == factor
+
+
+@pytest.mark.parametrize(("smooth", "step"), [(2.9, 1), (3, 2)])
+def test_the_last_blur_skips_pixels_where_it_is_long_unless_full(smooth, step):
+    assert step_of_smoothing("auto", smooth) == step_of_smoothing("1/2", smooth) == step
+    assert step_of_smoothing("full", smooth) == 1
+
+
+@pytest.mark.parametrize(
     ("factor", "sigma_e", "sigma_g"),
     [(1, 7.9, 8), (1, 8, 3.9), (2, 8, 4), (2, 31.9, 16), (4, 32, 16), (2, 0, 4), (4, 32, 0), (1, 3, 0)],
 )
@@ -112,6 +128,7 @@ def test_auto_keeps_the_sigmas_of_passes_that_run(factor, sigma_e, sigma_g):
 def test_words_say_the_factor_whatever_the_lengths(word, factor):
     assert flow_factor(word, 3, 0) == lines_factor(word, 0.5) == regions_factor(word, 1, 1) == factor
     assert soft_edges_factor(word, 1) == evidence_factor(word, 0.5, 0) == factor
+    assert thin_lines_factor(word, 4, 1, 0) == factor
     assert (step_along(word, 2.4), step_along(word, 2.5)) == (1, 1 if word == "full" else 2)
 
 
