@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 
 import flowabs_nodes
-from flowabs_nodes import choices
+from flowabs_nodes import choices, file_choices
 from flowabs_nodes.choices import Choices
 
-LISTS = {name: value for name, value in vars(choices).items() if isinstance(value, Choices)}
+LISTS = {name: value for name, value in (vars(choices) | vars(file_choices)).items() if isinstance(value, Choices)}
 PACKAGE = Path(flowabs_nodes.__file__).parent
 
 
@@ -23,10 +23,10 @@ def test_each_word_says_in_a_line_what_it_does(name):
 
 @pytest.mark.parametrize("copied", [copy.deepcopy, lambda words: pickle.loads(pickle.dumps(words))])
 def test_a_copy_keeps_the_meanings(copied):
-    again = copied(choices.MISSING)
-    assert again == choices.MISSING
-    assert again.meaning == choices.MISSING.meaning
-    assert again.label == choices.MISSING.label
+    again = copied(choices.SPACES)
+    assert again == choices.SPACES
+    assert again.meaning == choices.SPACES.meaning
+    assert again.label == choices.SPACES.label
 
 
 @pytest.mark.parametrize("name", LISTS)

@@ -13,7 +13,7 @@ PACKAGE = "flowabs_nodes"
 #: The floors of the house, the lowest first. The rooms of one line stand side by side.
 FLOORS = (
     ("forks",),
-    ("errors", "choices", "array_types", "file_hash", "stopping"),
+    ("errors", "choices", "file_choices", "array_types", "file_hash", "stopping"),
     ("simd", "signals"),
     ("sampling",),
     ("color", "filters"),

@@ -15,9 +15,9 @@ from numbers import Integral, Real
 from pathlib import Path
 from typing import Any, TypeVar
 
-from flowabs_nodes.choices import EXISTING, MISSING
 from flowabs_nodes.engine.memory import parse_memory
 from flowabs_nodes.errors import ArgumentError, CommandError, nearest
+from flowabs_nodes.file_choices import EXISTING, MISSING
 from flowabs_nodes.io.settings import Settings, refuse_shell_words
 
 PathLike = str | os.PathLike[str]

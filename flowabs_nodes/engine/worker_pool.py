@@ -10,21 +10,18 @@ from __future__ import annotations
 import queue
 import signal
 import subprocess
-import threading
 import time
 from collections import deque
 from collections.abc import Iterable, Iterator
-from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any, BinaryIO, Protocol, cast
+from typing import Any, Protocol
 
 from flowabs_nodes import signals, stopping
-from flowabs_nodes.engine import child_python
 from flowabs_nodes.engine.job import Job
 from flowabs_nodes.engine.memory import resident
-from flowabs_nodes.engine.messages import receive, send
 from flowabs_nodes.engine.report import FrameReport, Note
 from flowabs_nodes.engine.worker import AtWork, Begun, Ended, Request
+from flowabs_nodes.engine.worker_process import Inbox, WorkerProcess
 from flowabs_nodes.errors import InternalError
 
 _LOOK = 0.1  # seconds between two looks at whether the run is to stop
@@ -73,40 +70,6 @@ class PoolEvents(Protocol):
         """Tell that a node begins or ends its work."""
 
 
-class _Worker:
-    """One process, and what it is doing."""
-
-    def __init__(self, job: Job, inbox: queue.SimpleQueue[tuple[_Worker, Any]], folder: str | None) -> None:
-        pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
-        self.process = child_python.start("flowabs_nodes.engine.worker", cwd=folder, **pipes)
-        self.left: list[int] = []  # the frames that it has been asked for, the one at work first
-        self.frame: int | None = None  # the one at work
-        self.since = 0.0  # when that one began
-        self.late = False
-        threading.Thread(target=self._listen, args=(inbox,), name="flowabs-worker", daemon=True).start()
-        self.ask(job)
-
-    def ask(self, message: Any) -> None:
-        """Send a message; if the process has ended its listener tells that."""
-        with suppress(OSError):
-            send(cast(BinaryIO, self.process.stdin), message)
-
-    def _listen(self, inbox: queue.SimpleQueue[tuple[_Worker, Any]]) -> None:
-        """Hand on each reply, and None at the end."""
-        try:
-            with suppress(EOFError, OSError):
-                while True:
-                    inbox.put((self, receive(cast(BinaryIO, self.process.stdout))))
-        finally:  # whatever was not to be understood: the frame is rendered again, or has failed
-            self.process.kill()
-            inbox.put((self, None))
-
-    def close(self) -> None:
-        """Ask the process to end."""
-        with suppress(OSError):
-            cast(BinaryIO, self.process.stdin).close()
-
-
 class WorkerPool:
     """Renders frames of a job in other processes; :meth:`render` yields their reports as the frames end.
 
@@ -125,9 +88,9 @@ class WorkerPool:
         self._chunk = chunk
         self._folder = folder
         self.tell = tell
-        self._inbox: queue.SimpleQueue[tuple[_Worker, Any]] = queue.SimpleQueue()
-        self._workers: list[_Worker] = []
-        self._leaving: list[_Worker] = []  # asked to end
+        self._inbox: Inbox = queue.SimpleQueue()
+        self._workers: list[WorkerProcess] = []
+        self._leaving: list[WorkerProcess] = []  # asked to end
         self._waiting: deque[tuple[int, ...]] = deque()
         self._tries: dict[int, int] = {}
         self._ended = 0
@@ -157,7 +120,7 @@ class WorkerPool:
         self._waiting.clear()
         return frames
 
-    def _busy(self) -> list[_Worker]:
+    def _busy(self) -> list[WorkerProcess]:
         return [worker for worker in self._workers if worker.left]
 
     def _at_once(self) -> int:
@@ -176,7 +139,7 @@ class WorkerPool:
         at_once = self._at_once()
         useful = min(self._jobs if not self.peak else at_once, len(self._waiting) + len(self._busy()))
         while len(self._workers) < useful:
-            self._workers.append(_Worker(self._job, self._inbox, self._folder))
+            self._workers.append(WorkerProcess(self._job, self._inbox, self._folder))
         idle = [worker for worker in self._workers if not worker.left]
         for worker in idle[: max(0, len(self._workers) - useful)]:
             self._workers.remove(worker)
@@ -227,7 +190,7 @@ class WorkerPool:
                 worker.late = True
                 worker.process.kill()
 
-    def _lost(self, worker: _Worker) -> Iterator[FrameReport]:
+    def _lost(self, worker: WorkerProcess) -> Iterator[FrameReport]:
         """Have the frames of a process that has ended rendered again, or yield the report of the one that failed."""
         code = worker.process.wait()
         if not worker.left:
@@ -241,12 +204,12 @@ class WorkerPool:
             self.tell.note(Note(text, warning=True, frame=frame))
         elif self._tries.get(frame, 0) < self.limits.retries:
             self._tries[frame] = self._tries.get(frame, 0) + 1
-            text = f"{_what_happened(worker, code, self.limits)}: rendered again"
+            text = f"{worker.what_happened(code, self.limits.timeout)}: rendered again"
             self.tell.note(Note(text, warning=True, frame=frame))
         else:
             worker.left.remove(frame)
             error = InternalError(
-                _what_happened(worker, code, self.limits),
+                worker.what_happened(code, self.limits.timeout),
                 code="timeout" if worker.late else "worker-lost",
                 hint="--timeout says how long a frame may take" if worker.late else "",
                 frame=frame,
@@ -292,13 +255,3 @@ def too_large(peak: int, memory: int) -> Note:
     need, given = f"{peak / 1e9:.2f} GB", f"{memory / 1e9:.2f} GB"
     text = f"a frame takes {need}, more than the memory of this run ({given}) leaves: one at a time"
     return Note(text, warning=True)
-
-
-def _what_happened(worker: _Worker, code: int, limits: Limits) -> str:
-    """Return why a process has ended, for people."""
-    if worker.late:
-        return f"took longer than {limits.timeout:g} s"
-    if code < 0:
-        with suppress(ValueError):
-            return f"its process ended by {signal.Signals(-code).name}"
-    return f"its process ended with exit code {code}"

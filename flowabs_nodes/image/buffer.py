@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from flowabs_nodes.choices import ROWS
 from flowabs_nodes.errors import ArgumentError, nearest
+from flowabs_nodes.file_choices import ROWS
 
 #: The data types that raw bytes may turn out to be, for the hint of an error.
 _USUAL = (np.uint8, np.uint16, np.float16, np.float32, np.float64)

@@ -8,10 +8,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from flowabs_nodes import color
-from flowabs_nodes.choices import HOST_ALPHAS
 from flowabs_nodes.color.encoding import Encoding
 from flowabs_nodes.color.spaces import ColorSpace, known
 from flowabs_nodes.errors import ArgumentError, FlowabsError, nearest
+from flowabs_nodes.file_choices import HOST_ALPHAS
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,9 @@ import numpy.typing as npt
 import OpenImageIO as oiio
 
 from flowabs_nodes.array_types import Array
-from flowabs_nodes.choices import COMPRESSIONS, DATA_TYPES
 from flowabs_nodes.color.display import DisplayView, find_view
 from flowabs_nodes.errors import ArgumentError
+from flowabs_nodes.file_choices import COMPRESSIONS, DATA_TYPES
 from flowabs_nodes.image import Image, Window
 from flowabs_nodes.io import formats
 from flowabs_nodes.io.formats import Format

@@ -1,20 +1,17 @@
-"""Declares a parameter of a node, for the code and for panels; and judges values, here alone.
+"""Declares a parameter of a node, for the code and for panels.
 
-For the code: type, default, range and unit. For panels: label, help, section, and when the parameter does something.
+For the code: type, default, range and unit (:mod:`~flowabs_nodes.nodes.value_rule`). For panels: label, help, section,
+and when the parameter does something.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import KW_ONLY, dataclass, field
 from typing import Any, Literal, TypedDict, Unpack
 
 from flowabs_nodes.choices import Choices, readable
-from flowabs_nodes.errors import ArgumentError, nearest
-
-Kind = Literal["float", "int", "bool", "enum", "string", "color", "file", "custom"]
+from flowabs_nodes.nodes.value_rule import ValueRule
 
 # Inside the class, float, int and bool are its constructors.
 Number = float
@@ -31,8 +28,8 @@ class Panel(TypedDict, total=False):
     animatable: bool
 
 
-@dataclass(frozen=True)
-class Param:
+@dataclass(frozen=True, repr=False)
+class Param(ValueRule):
     """Declares a parameter: type, default, hard range (an error beyond), soft range (what a slider shows), unit, help.
 
     Use the constructors :meth:`float`, :meth:`int`, :meth:`bool`, :meth:`enum`, :meth:`string`, :meth:`color`,
@@ -47,18 +44,9 @@ class Param:
     says whether a graph may give it a curve: numbers do unless they say no, all other kinds do not.
     """
 
-    name: str
-    kind: Kind
-    default: Any
     help: str
-    min: Number | None = None
-    max: Number | None = None
-    above: Flag = False  # the minimum itself is excluded
+    _: KW_ONLY
     soft: tuple[Number, Number] | None = None
-    unit: str = ""
-    choices: tuple[str, ...] = ()
-    nullable: Flag = False
-    required: Flag = False
     scales: Whole = 0
     of_run: Flag = False
     role: Literal["", "input", "output"] = ""  # of a file
@@ -67,8 +55,6 @@ class Param:
     of_config: Literal["", "display", "view"] = ""  # a text that names one of the OCIO config, checked before a run
     in_key: Flag = True  # False: does not change the picture, so not the key either (a written file's path)
     later: Flag = False  # came when files had keys without it: at its default it is in no key, so that they stay valid
-    schema: Mapping[str, Any] = field(default_factory=dict, hash=False)  # custom: its JSON Schema
-    parse: Callable[[Any], str | None] | None = None  # custom: what is wrong with a value, or None
     thin_below: Number | None = None  # scaled to less pixels than this, what is drawn depends on the picture's size
     floor: Number | None = None  # scaling makes a length no shorter than this, below which a filter sees single pixels
     label: str = ""
@@ -79,10 +65,6 @@ class Param:
     def __post_init__(self) -> None:
         object.__setattr__(self, "label", self.label or readable(self.name))
         object.__setattr__(self, "animatable", self.animatable and self.numeric)
-
-    def __repr__(self) -> str:
-        default = "required" if self.required else f"default {self.default!r}"
-        return f"<Param {self.name}: {self.expected}; {default}>"
 
     @staticmethod
     def float(
@@ -226,11 +208,6 @@ class Param:
         )
 
     @property
-    def numeric(self) -> Flag:
-        """Return True for a number, which a map may drive, and a curve where it is ``animatable``."""
-        return self.kind in ("float", "int")
-
-    @property
     def choice_labels(self) -> dict[str, str]:
         """Return the label of each choice, by default made of its word."""
         known = self.choices.label if isinstance(self.choices, Choices) else {}
@@ -240,94 +217,3 @@ class Param:
     def choice_meanings(self) -> Mapping[str, str]:
         """Return what each choice does, in a line; nothing where the declaration does not say."""
         return self.choices.meaning if isinstance(self.choices, Choices) else {}
-
-    def problem(self, value: Any) -> tuple[str, str] | None:
-        """Return None if ``value`` is good, else a code and what was expected.
-
-        The code is "wrong-type", "bad-value" or "out-of-range".
-        """
-        if value is None and self.nullable:
-            return None
-        if self.parse is not None:
-            wrong = self.parse(value)
-            return ("bad-value", wrong) if wrong else None
-        if not self._type_fits(value):
-            return "wrong-type", self.expected
-        if self.kind == "enum" and value not in self.choices:
-            return "bad-value", self.expected
-        if self.kind == "color" and not all(_is_finite(part) for part in value):
-            return "bad-value", self.expected
-        if self.numeric:
-            if not _is_finite(value):
-                return "bad-value", self.expected
-            low = self.min is not None and (value < self.min or (self.above and value == self.min))
-            if low or (self.max is not None and value > self.max):
-                return "out-of-range", self.expected
-        return None
-
-    def _type_fits(self, value: Any) -> Flag:
-        match self.kind:
-            case "float":
-                return _is_number(value)
-            case "int":
-                return isinstance(value, Whole) and not isinstance(value, Flag)
-            case "bool":
-                return isinstance(value, Flag)
-            case "color":
-                return isinstance(value, list | tuple) and len(value) == 3 and all(_is_number(part) for part in value)
-            case _:
-                return isinstance(value, str)
-
-    def check(self, value: Any) -> Any:
-        """Return ``value`` in the type that ``run`` gets; raise ArgumentError, with the parameter, if it is wrong."""
-        wrong = self.problem(value)
-        if wrong:
-            hint = nearest(value, self.choices) if self.kind == "enum" else ""
-            raise ArgumentError(f"{value!r} is not {wrong[1]}", code=wrong[0], hint=hint, parameter=self.name)
-        if value is None:
-            return None
-        match self.kind:
-            case "float":
-                return Number(value)
-            case "color":
-                return tuple(Number(part) for part in value)
-            case _:
-                return value
-
-    @cached_property
-    def expected(self) -> str:
-        """Say what a value must be: "a number from 0 to 1, or null"."""
-        words = {
-            "float": "a number",
-            "int": "a whole number",
-            "bool": "true or false",
-            "enum": "one of " + ", ".join(repr(choice) for choice in self.choices),
-            "string": "a text",
-            "color": "a colour: three finite numbers, scene-linear red, green, blue",
-            "file": "a file name or sequence pattern",
-            "custom": str(self.schema.get("description", "a value of its own kind")),
-        }[self.kind]
-        if self.min is not None or self.max is not None:
-            words += " " + self.range_text
-        if self.unit and self.numeric:
-            words += f" ({self.unit})"
-        return words + (", or null" if self.nullable else "")
-
-    @cached_property
-    def range_text(self) -> str:
-        """Say the hard range: "from 0 to 1", "above 0 up to 100"; empty where there is none."""
-        low = "" if self.min is None else f"{'above' if self.above else 'from'} {self.min:.10g}"
-        high = "" if self.max is None else f"{'up to' if self.above or self.min is None else 'to'} {self.max:.10g}"
-        return " ".join(part for part in (low, high) if part)
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
-
-
-def _is_finite(value: float) -> bool:
-    """Return False for NaN, Inf, and an int too large for a float."""
-    try:
-        return math.isfinite(value)
-    except OverflowError:
-        return False

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from flowabs_nodes.choices import ALPHAS, MISSING, NONFINITE
+from flowabs_nodes.file_choices import ALPHAS, MISSING, NONFINITE
 from flowabs_nodes.image import Image
 from flowabs_nodes.io import formats
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from flowabs_nodes.choices import ABSENT, MOTION_CONVENTIONS
 from flowabs_nodes.errors import ReadError
+from flowabs_nodes.file_choices import ABSENT, MOTION_CONVENTIONS
 from flowabs_nodes.image import Image
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port
 from flowabs_nodes.nodes.read import MISSING_PARAM, layer_param, part_param

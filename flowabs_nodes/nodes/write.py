@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from flowabs_nodes.choices import COMPRESSIONS, DATA_TYPES
+from flowabs_nodes.file_choices import COMPRESSIONS, DATA_TYPES
 from flowabs_nodes.image import Image
 from flowabs_nodes.io import formats
 from flowabs_nodes.nodes.declare import Context, Node, Param, Port

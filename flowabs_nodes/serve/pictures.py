@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from flowabs_nodes.choices import ROWS
 from flowabs_nodes.errors import CommandError
+from flowabs_nodes.file_choices import ROWS
 from flowabs_nodes.image import Image, Window
 from flowabs_nodes.port_types import TYPES, pixel_type
 from flowabs_nodes.serve.fields import Fields

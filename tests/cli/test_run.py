@@ -11,9 +11,9 @@ import OpenImageIO as oiio
 import pytest
 
 from flowabs_nodes import cli
-from flowabs_nodes.choices import EXISTING, MISSING
 from flowabs_nodes.engine import render_sequence
 from flowabs_nodes.engine.options import RunOptions
+from flowabs_nodes.file_choices import EXISTING, MISSING
 from flowabs_nodes.simd import compile_hooks
 
 ROOT = Path(__file__).resolve().parents[2]

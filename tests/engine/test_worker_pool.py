@@ -13,6 +13,7 @@ from flowabs_nodes.engine.options import RunOptions
 from flowabs_nodes.engine.run_events import RunEvents
 from flowabs_nodes.engine.runnable import load_graph
 from flowabs_nodes.engine.worker_pool import SETTLED, Limits, WorkerPool
+from flowabs_nodes.engine.worker_process import WorkerProcess
 from tests.engine.sequences import leftovers, pixels, plate
 
 FRAMES = range(1, 7)
@@ -95,7 +96,7 @@ def test_a_process_that_ends_on_every_try_fails_its_frame_only(job, monkeypatch)
             worker.process.send_signal(signal.SIGTERM)
             worker.process.wait()
 
-    monkeypatch.setattr("flowabs_nodes.engine.worker_pool._Worker.ask", asked_after(kill))
+    monkeypatch.setattr("flowabs_nodes.engine.worker_process.WorkerProcess.ask", asked_after(kill))
     reports = list(here.render(FRAMES))
     assert statuses(reports) == [(frame, "failed" if frame == 2 else "done") for frame in FRAMES]
     error = next(report.error for report in reports if report.error)
@@ -105,9 +106,7 @@ def test_a_process_that_ends_on_every_try_fails_its_frame_only(job, monkeypatch)
 
 
 def asked_after(act):
-    from flowabs_nodes.engine.worker_pool import _Worker
-
-    ask = _Worker.ask
+    ask = WorkerProcess.ask
 
     def both(worker, message):
         act(worker, message)

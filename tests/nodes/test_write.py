@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flowabs_nodes.choices import COMPRESSIONS, DATA_TYPES
+from flowabs_nodes.file_choices import COMPRESSIONS, DATA_TYPES
 from flowabs_nodes.graph import parse_setting
 from flowabs_nodes.image import Image
 from flowabs_nodes.io.output_image import Picture

@@ -7,7 +7,8 @@ from typing import Any
 
 import bpy
 
-from flowabs_nodes.choices import EXISTING, readable
+from flowabs_nodes.choices import readable
+from flowabs_nodes.file_choices import EXISTING
 
 from .fill_datablock import MARK
 from .identifiers import graph_nodes
