@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
+from importlib import import_module
 from types import MappingProxyType
 from typing import Any, Literal
 
@@ -56,8 +57,8 @@ class PixelType:
     rgba
         Which of the channels R, G, B, A of a host's picture hold one of the type; "" where none can.
     look
-        "module:function", imported when it is first needed, that makes a picture to look at (``--view``); not asked
-        for of color, which goes through the view transform.
+        "module:function", imported when it is first needed, that makes a picture to look at (``--view``, and in
+        notebooks); not asked for of color, which goes through the view transform.
     """
 
     name: str
@@ -96,6 +97,12 @@ class PixelType:
     def bytes_per_pixel(self) -> int:
         """Return about how many bytes a pixel takes in memory."""
         return self.dtype.itemsize * max((len(names) for names in self.channels), default=4)
+
+    def look_function(self) -> Callable[[Any], Any]:
+        """Return the function that ``look`` names: of an image it makes a :class:`~flowabs_nodes.looking.look.Look`."""
+        module, _, name = self.look.partition(":")
+        function: Callable[[Any], Any] = getattr(import_module(module), name)
+        return function
 
     def channel_names(self, count: int) -> tuple[str, ...] | None:
         """Return the names of a picture's ``count`` channels; None where the type does not tell."""

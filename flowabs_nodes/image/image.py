@@ -126,7 +126,7 @@ class Image(Exchange):
 
     def _repr_png_(self) -> bytes:
         """Return a small picture of the image, which notebooks show: see :mod:`flowabs_nodes.image.preview`."""
-        return preview.png(self.pixels, pixel_type(self.type), self.colorspace)
+        return preview.png(self)
 
     # ------------------------------------------------------------------ pixels and code values
 

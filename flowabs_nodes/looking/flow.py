@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from flowabs_nodes.filters.flow.flow_color import flow_color
 from flowabs_nodes.filters.flow.lic import lic
 from flowabs_nodes.image import Image
@@ -15,9 +17,10 @@ _LIGHT = 1.5
 
 
 def look_at_flow(image: Image) -> Look:
-    """Return the colours of the orientations (Fig. 5 of the paper) times the LIC (Fig. 3)."""
+    """Return the colours of the orientations (Fig. 5 of the paper) times the LIC (Fig. 3); NaN and Inf count as 0."""
     window = image.display_window
     length = _LENGTH * max(1.0, min(window.width, window.height) / _SHORTER)
-    streaks = lic(image.pixels, length=min(length, 20_000))
-    codes = (flow_color(image.pixels) * (_LIGHT * streaks[..., None])).clip(0, 1)
+    tangents = np.nan_to_num(image.pixels, nan=0.0, posinf=0.0, neginf=0.0)
+    streaks = lic(tangents, length=min(length, 20_000))
+    codes = (flow_color(tangents) * (_LIGHT * streaks[..., None])).clip(0, 1)
     return Look(codes, "colour is orientation (horizontal red, vertical cyan), streaks follow it (LIC)")

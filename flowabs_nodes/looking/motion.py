@@ -25,7 +25,7 @@ def look_at_motion(image: Image) -> Look:
     moving = length[length > 0]
     if not moving.size:
         return Look(np.full((*length.shape, 3), 0.5, np.float32), "motion: nothing moves")
-    _, scale = finite_range(moving.astype(np.float32), (0, _PERCENTILE))
+    _, scale = finite_range(moving, (0, _PERCENTILE))
     moved *= (np.minimum(length, scale) / np.where(length > 0, length, 1) / scale)[..., None]
     angles = np.deg2rad([0.0, 120.0, 240.0])
     codes = 0.5 + 0.5 * (moved[..., :1] * np.cos(angles) + moved[..., 1:] * np.sin(angles))

@@ -7,7 +7,6 @@ import OpenImageIO as oiio
 
 from flowabs_nodes.color import ocio as named_spaces
 from flowabs_nodes.image import Image
-from flowabs_nodes.io.formats import load
 from flowabs_nodes.looking.color import look_at_color
 from flowabs_nodes.looking.look import Look
 from flowabs_nodes.port_types import pixel_type
@@ -25,7 +24,7 @@ def picture_of(image: Image, ocio: str | None = None) -> tuple[Image, str]:
     ColorError
         The config cannot be read or used.
     """
-    look: Look = look_at_color(image, ocio) if image.type == "color" else load(pixel_type(image.type).look)(image)
+    look: Look = look_at_color(image, ocio) if image.type == "color" else pixel_type(image.type).look_function()(image)
     light, space = named_spaces.linearize(look.codes.clip(0, 1), look.encoding)
     source = image.spec
     spec = oiio.ImageSpec(source.width, source.height, 3, "float")  # the plate's tags are not true of the picture

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from flowabs_nodes.array_types import Array, Float64
 
 
-def finite_range(values: npt.NDArray[np.float32], percentiles: tuple[float, float] = (0, 100)) -> tuple[float, float]:
+def finite_range(values: npt.NDArray[np.floating], percentiles: tuple[float, float] = (0, 100)) -> tuple[float, float]:
     """Return the values at two percentiles, the least and the greatest by default, of those that are finite.
 
     Both are 0 where no value is finite.
