@@ -6,6 +6,8 @@ from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
+import pytest
+
 import flowabs_nodes
 
 PACKAGE = "flowabs_nodes"
@@ -145,7 +147,12 @@ def way_back(loads: dict[str, dict[str, str]], start: str) -> list[str]:
 
 
 FILES = sources(Path(flowabs_nodes.__file__).parent)
-IMPORTS = imports(FILES)
+
+
+@pytest.fixture(scope="module")
+def found_imports() -> list[Import]:
+    """Return every import of the package."""
+    return imports(FILES)
 
 
 def test_every_module_stands_on_a_floor():
@@ -153,13 +160,13 @@ def test_every_module_stands_on_a_floor():
     assert not homeless, f"say in FLOORS how high these stand: {homeless}"
 
 
-def test_dependencies_point_down():
-    wrong = wrong_directions(IMPORTS, PACKAGE)
+def test_dependencies_point_down(found_imports):
+    wrong = wrong_directions(found_imports, PACKAGE)
     assert not wrong, "\n".join(wrong)
 
 
-def test_nothing_imports_in_a_circle():
-    found = circles(IMPORTS)
+def test_nothing_imports_in_a_circle(found_imports):
+    found = circles(found_imports)
     assert not found, "\n".join(found)
 
 

@@ -243,13 +243,14 @@ print(code, seconds, int(peak[1]) / 1024)
 @pytest.mark.parametrize("path", ["pipe.exr", "zero.exr", "../outside/secret.1.exr", "bomb.exr"])
 def test_a_refusal_takes_little_memory(shot, path):
     """The last is a small and whole file of 16384 x 8448 pixels."""
-    bomb = oiio.ImageOutput.create("bomb.exr")
-    spec = oiio.ImageSpec(16384, 8448, 1, oiio.HALF)
-    spec.channelnames = ("Y",)
-    assert bomb.open("bomb.exr", spec)
-    for row in range(0, 8448, 256):
-        bomb.write_scanlines(row, row + 256, 0, np.zeros((256, 16384, 1), np.float16))
-    bomb.close()
+    if path == "bomb.exr":
+        bomb = oiio.ImageOutput.create(path)
+        spec = oiio.ImageSpec(16384, 8448, 1, oiio.HALF)
+        spec.channelnames = ("Y",)
+        assert bomb.open(path, spec)
+        for row in range(0, 8448, 256):
+            bomb.write_scanlines(row, row + 256, 0, np.zeros((256, 16384, 1), np.float16))
+        bomb.close()
     (shot / "copy.json").write_text(json.dumps(graph(plate={"file": path})), encoding="utf-8")
     command = [sys.executable, "-c", MEASURE, "run", "./copy.json", "--root", "."]
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
