@@ -54,16 +54,18 @@ class FlowabsError(Exception):
         return self
 
     def __str__(self) -> str:
+        place = [f"{self.file}"] if self.file is not None else []
+        place += [f"frame {self.frame}"] if self.frame is not None else []
+        return ": ".join([*place, self.reason])
+
+    @property
+    def reason(self) -> str:
+        """Return node, parameter, message and hint: what several frames may have in common."""
         # A message may begin with a name itself: said once is enough.
         node = "" if self.message.startswith(f"node {self.node!r} ") else self.node
         parameter = "" if re.match(rf"{re.escape(str(self.parameter))}(?!\w)", self.message) else self.parameter
-        place = [
-            f"{self.file}" if self.file is not None else "",
-            f"frame {self.frame}" if self.frame is not None else "",
-            f"node {node}" if node else "",
-            f"parameter {parameter}" if parameter else "",
-        ]
-        text = ": ".join([*(part for part in place if part), self.message])
+        place = [f"node {node}" if node else "", f"parameter {parameter}" if parameter else ""]
+        text = ": ".join([*filter(None, place), self.message])
         return f"{text} ({self.hint})" if self.hint else text
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -174,9 +176,10 @@ def _plain(name: str) -> str:
 def nearest(name: object, known: Iterable[str]) -> str:
     """Return a hint for a name that is not known: the nearest right name, or all names where none is near."""
     names = sorted(set(known))
-    close = closest(name, names)
-    if close is not None:
-        return f"did you mean {close!r}?"
-    if not names:
-        return ""
-    return "known: " + ", ".join(names)
+    return likely(name, names) or ("known: " + ", ".join(names) if names else "")
+
+
+def likely(name: object, known: Iterable[str]) -> str:
+    """Return a hint for a name that is not known, the nearest right one; empty where none is near."""
+    close = closest(name, known)
+    return "" if close is None else f"did you mean {close!r}?"

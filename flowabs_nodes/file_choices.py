@@ -45,7 +45,11 @@ MISSING = Choices(
 
 #: What is read in place of a pass that a file does not have.
 ABSENT = Choices(
-    {"error": "nothing: the frame fails", "empty": "a pass that shows nothing, with a warning: lines go without it"}
+    {
+        "error": "nothing: the frame fails",
+        "empty": "a pass that shows nothing, with a warning: lines go without it",
+        "optional": "the same, with a note: few renders have it",
+    }
 )
 
 #: What happens to an output file that is there already.

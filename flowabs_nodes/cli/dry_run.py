@@ -14,7 +14,7 @@ def tell_plan(graph: str, options: RunOptions, show: Lines) -> int:
 
     Raises FlowabsError, as a run does, where the graph or the command is wrong.
     """
-    from flowabs_nodes.cli.summary import frames_in_words, reason
+    from flowabs_nodes.cli.summary import frames_in_words
     from flowabs_nodes.engine.dry_run import MEANINGS, NOT_KNOWN, dry_run
     from flowabs_nodes.engine.notes import frame_range
 
@@ -26,7 +26,7 @@ def tell_plan(graph: str, options: RunOptions, show: Lines) -> int:
         raise
     frames: dict[tuple[str, str], list[int]] = {}  # by state and reason
     for each in plan.plans:
-        why = "" if each.error is None else reason(each.error)
+        why = "" if each.error is None else each.error.reason
         frames.setdefault((each.state, why), []).append(each.frame)
         if as_json:
             print(json.dumps(each.event()))

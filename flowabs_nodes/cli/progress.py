@@ -60,7 +60,7 @@ class Lines:
                 self._asked = event["frames"]
             case "note" | "shared-note":
                 warning = event["level"] == "warning"
-                if loud or warning:
+                if warning or (loud if event["event"] == "note" else verbose):  # shared notes were said before
                     self.line(_note_text(event), error=warning)
             case "detail" if verbose:
                 self.line(_note_text(event))

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from flowabs_nodes.engine.report import Report
-    from flowabs_nodes.errors import FlowabsError
 
 
 def failed_lines(report: Report, again: Callable[[str], str]) -> list[str]:
@@ -20,7 +19,7 @@ def failed_lines(report: Report, again: Callable[[str], str]) -> list[str]:
     reasons: dict[str, list[int]] = {}
     for frame in report.frames:
         if frame.error is not None:
-            reasons.setdefault(reason(frame.error), []).append(frame.frame)
+            reasons.setdefault(frame.error.reason, []).append(frame.frame)
     to_make = [frame for frames in reasons.values() for frame in frames] + list(report.not_made)
     if not to_make:
         return []
@@ -35,14 +34,6 @@ def failed_lines(report: Report, again: Callable[[str], str]) -> list[str]:
 def frames_in_words(frames: str, count: int) -> str:
     """Return "frame 5" or "frames 5-9" for a range and how many frames it holds."""
     return f"frame {frames}" if count == 1 else f"frames {frames}"
-
-
-def reason(error: FlowabsError) -> str:
-    """Return why a frame failed, without what differs from frame to frame: its number and its file."""
-    node = f"node {error.node}: " if error.node is not None else ""
-    parameter = f"parameter {error.parameter}: " if error.parameter is not None else ""
-    hint = f" ({error.hint})" if error.hint else ""
-    return f"{node}{parameter}{error.message}{hint}"
 
 
 def profile_lines(nodes: Iterable[dict[str, Any]]) -> list[str]:

@@ -99,6 +99,9 @@ def fit_inputs(declaration: Node, inputs: Mapping[str, Image]) -> dict[str, Imag
     for name, port in ports.items():
         if name not in inputs and not port.optional and declaration.needs is None:
             raise FlowabsError(f"input {name!r} is not connected: {port.help}", code="missing-input")
+    for name, port in ports.items():
+        if name in inputs and port.beside and port.beside not in inputs:
+            raise FlowabsError(f"input {name!r} needs {port.beside!r} too", code="missing-input")
     if declaration.one_of and not any(name in inputs for name in declaration.one_of):
         raise FlowabsError(f"connect at least one of {', '.join(declaration.one_of)}", code="missing-input")
     declared = {name: inputs[name] for name in ports if name in inputs}

@@ -46,7 +46,7 @@ def has_lengths(declaration: Node) -> bool:
 def scale_lengths(
     declaration: Node, params: Mapping[str, Any], factor: float, run_scale: float | None = None
 ) -> tuple[dict[str, Any], tuple[Note, ...]]:
-    """Multiply lengths by ``factor``, divide quantities per pixel by it, and say what to warn of.
+    """Multiply lengths by ``factor``, divide quantities per pixel by it, and say what is to be known of it.
 
     Sizes of pictures, which no reference size changes, are multiplied by ``run_scale``, the ``--scale`` of the run
     (``factor`` without it), and stay whole.
@@ -54,15 +54,15 @@ def scale_lengths(
     A scaled value outside the parameter's hard range becomes the range's end, with a warning. Scaling shortens no
     length below the parameter's ``floor``, and warns where it would: a line filter of a fraction of a pixel sees no
     edge. A length that the graph itself gives below the floor is not made longer. A length scaled below the parameter's
-    ``thin_below`` is kept, also with a warning.
+    ``thin_below`` is kept, and a note says so.
 
     Returns
     -------
     tuple
-        All parameters, scaled where they scale; the warnings, each to be given once in a run.
+        All parameters, scaled where they scale; notes and warnings, each to be given once in a run, one a parameter.
     """
     scaled = dict(params)
-    warnings = []
+    notes = []
     for name, param in declaration.all_params.items():
         value = scaled.get(name)
         if param.scales and isinstance(value, list | tuple):
@@ -71,22 +71,16 @@ def scale_lengths(
         if not param.scales or factor == 1 or isinstance(value, bool) or not isinstance(value, int | float):
             continue
         wanted = value * factor**param.scales
-        scaled[name] = fitting = _within(param, wanted)
-        if fitting != wanted and not (param.kind == "int" and abs(fitting - wanted) <= 0.5):
-            text = (
-                f"{name} {value:g} x {factor**param.scales:g} = {wanted:g} is not {param.range_text}: {fitting:g} used"
-            )
-            warnings.append(Note(text, warning=True, once=f"range {name}"))
-        least = min(param.floor or 0, value)
-        if fitting < least:
-            scaled[name] = least
-            text = f"{name} {value:g} x {factor:.3g} = {fitting:.3g} px is too short at this size: {least:g} px used"
-            warnings.append(Note(text, warning=True, once=name))
+        scaled[name] = fitting = max(_within(param, wanted), least := min(param.floor or 0, value))
+        times = f"{name} {value:g} x {factor**param.scales:.3g} = {wanted:.3g}"
+        if wanted < least:
+            notes.append(Note(f"{times} px is too short at this size: {least:g} px used", warning=True, once=name))
+        elif fitting != wanted and not (param.kind == "int" and abs(fitting - wanted) <= 0.5):
+            notes.append(Note(f"{times} is not {param.range_text}: {fitting:g} used", warning=True, once=name))
         elif param.thin_below is not None and fitting < param.thin_below:
             thin = f"{name} is {fitting:.3g} px at this size: below {param.thin_below:g}, "
-            text = thin + "lines change with the picture's size"
-            warnings.append(Note(text, warning=True, once=name))
-    return scaled, tuple(warnings)
+            notes.append(Note(thin + "lines change with the picture's size", once=name))
+    return scaled, tuple(notes)
 
 
 def _scaled_list(param: Param, values: Sequence[float], factor: float) -> Sequence[float]:

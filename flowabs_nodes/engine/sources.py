@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from flowabs_nodes.engine.error_boundary import error_boundary
+from flowabs_nodes.engine.notes import frame_range
 from flowabs_nodes.engine.plan import Step, Unit, file_role
 from flowabs_nodes.engine.report import Note
-from flowabs_nodes.errors import CommandError
+from flowabs_nodes.errors import CommandError, ReadError, likely
 from flowabs_nodes.io.hashing import content_hash
 from flowabs_nodes.io.image_file import check_picture
 from flowabs_nodes.io.sequences import Sequence, Source
@@ -18,6 +21,9 @@ from flowabs_nodes.io.settings import checked
 if TYPE_CHECKING:
     from flowabs_nodes.engine.options import RunOptions
     from flowabs_nodes.graph.model import Graph
+
+#: So many names of a folder are looked at for the one that was meant.
+_MOST_NAMES = 2000
 
 
 class Sources:
@@ -50,7 +56,11 @@ class Sources:
         if unit not in self._found:
             with error_boundary(unit.node, unit.frame):
                 policy = self._options.missing or self._params[unit].get("missing", "error")
-                source = self._sequence(unit).resolve(unit.frame, policy)
+                try:
+                    source = self._sequence(unit).resolve(unit.frame, policy)
+                except ReadError as error:
+                    error.hint = error.hint or self._what_is_there(unit)
+                    raise
                 if source.path is not None:
                     checked(source.path, self._options.settings)
                     if self._open_files and reads_pictures(self._graph, unit.node):
@@ -88,6 +98,17 @@ class Sources:
                 sequence = self._sequence(unit)
                 self._on_disk[unit.node] = sequence.frames_on_disk() if sequence.has_token else ()
         return self._on_disk[unit.node]
+
+    def _what_is_there(self, unit: Unit) -> str:
+        """Return a hint for a file that is missing: the frames that are on disk, else the file of the nearest name."""
+        sequence = self._sequence(unit)
+        if frames := self.frames_on_disk(unit):
+            there = f"frames {frame_range(frames)} are there" if len(frames) > 1 else f"frame {frames[0]} is there"
+            return f"{there}; --missing says what to read for others"
+        folder, name = os.path.split(sequence.path(unit.frame))
+        with suppress(OSError):
+            return likely(name, islice(sorted(os.listdir(folder or ".")), _MOST_NAMES))
+        return ""
 
     def _sequence(self, unit: Unit) -> Sequence:
         """Return the sequence or single picture that a unit reads."""

@@ -31,7 +31,7 @@ def join_windows(declaration: Node, inputs: NodeInputs, params: Mapping[str, Any
     ------
     FlowabsError
         wrong-frames (:func:`~flowabs_nodes.nodes.frame_offsets.frame_offsets`); missing-input where the own frame is
-        missing in a dict.
+        missing in a dict; when ``run`` is called, window-mismatch where a frame is of a picture of another size.
     """
     if declaration.frames is None:
         return declaration, cast(Mapping[str, Image], inputs)
@@ -49,6 +49,8 @@ def join_windows(declaration: Node, inputs: NodeInputs, params: Mapping[str, Any
     def run(context: Context, **arguments: Any) -> Any:
         for name, window in windows.items():
             own = arguments[name]
+            for offset, image in window.items():
+                _check_frame_size(name, context.frame, offset, image, own)
             arguments[name] = {
                 offset: image.as_type(own.type).on_window(own.data_window) if offset else own
                 for offset, image in window.items()
@@ -57,3 +59,15 @@ def join_windows(declaration: Node, inputs: NodeInputs, params: Mapping[str, Any
 
     own_frames = {name: windows[name][0] if name in windows else cast(Image, inputs[name]) for name in inputs}
     return replace(declaration, run=run), own_frames
+
+
+def _check_frame_size(name: str, frame: int, offset: int, image: Image, own: Image) -> None:
+    """Raise FlowabsError where the frame at ``offset`` is of a picture of another size than the node's own frame."""
+    found, wanted = image.display_window, own.display_window
+    if (found.width, found.height) != (wanted.width, wanted.height):
+        raise FlowabsError(
+            f"frame {frame + offset} of input {name!r} is of a picture of {found.width}x{found.height}, "
+            f"but frame {frame} of {wanted.width}x{wanted.height}",
+            code="window-mismatch",
+            hint="all frames of a shot have one display window",
+        )

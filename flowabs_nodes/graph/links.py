@@ -51,6 +51,10 @@ def _known_inputs(declaration: Node, raw: dict[str, Any], place: Place, problems
         if not declaration.all_inputs[port].optional:
             expected = f"a link to a node that gives {types_in_words(declaration.all_inputs[port])}"
             problems.add("missing-input", (*place, port), "nothing", expected)
+    for port in known:
+        beside = declaration.all_inputs[port].beside if port in declaration.all_inputs else ""
+        if beside and beside not in known:
+            problems.add("missing-input", (*place, beside), "nothing", f"a link, as {port} has one")
     if declaration.one_of and not any(port in known for port in declaration.one_of):
         names = ", ".join(declaration.one_of)
         problems.add("missing-input", (*place, declaration.one_of[0]), "nothing", f"a link to at least one of {names}")

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 
 import OpenImageIO as oiio
 
-from flowabs_nodes.errors import ReadError, nearest
+from flowabs_nodes.errors import ReadError, likely
 from flowabs_nodes.io.layer_groups import Layer, called, layers_of, names_to_ask, of_default_view, within
 from flowabs_nodes.io.layers import Selection, few, layer_of, listing, part_name, parts_to_read
 from flowabs_nodes.io.oiio_error import printable
@@ -64,7 +64,7 @@ def choose_data(specs: Sequence[oiio.ImageSpec], layer: str = "", part: str | in
     }
     known |= {part_name(specs[index]) for index in candidates}
     message = f"layer {layer!r} is not in the file; {listing(specs)}"
-    raise ReadError(message, code="no-layer", hint=nearest(layer, known - {""}), parameter="layer")
+    raise ReadError(message, code="unknown-layer", hint=likely(layer, known - {""}), parameter="layer")
 
 
 # ---------------------------------------------------------------------- nobody asks for a layer
@@ -156,13 +156,13 @@ def _within(specs: Sequence[oiio.ImageSpec], layers: Sequence[Layer], asked: str
 def _refused(specs: Sequence[oiio.ImageSpec], layers: Sequence[Layer], asked: str) -> Selection:
     """Raise ReadError: the layer is not there, or has no colour."""
     colored = _colored(layers, _RGBA)
-    names = list(
-        dict.fromkeys([*(each.name for each in colored), *filter(None, (each.view_layer for each in colored))])
-    )
+    names = {name for each in colored for name in (each.name, each.base, each.view_layer)} - {""}
     there = bool(called(specs, layers, asked))
     what = "has no red, green and blue (nor Y)" if there else "is not in the file"
-    hint = nearest(asked, [name or '""' for name in names]) if names else ""
-    raise ReadError(f"layer {asked!r} {what}; {listing(specs)}", code="no-layer", hint=hint, parameter="layer")
+    code = "no-layer" if there else "unknown-layer"
+    raise ReadError(
+        f"layer {asked!r} {what}; {listing(specs)}", code=code, hint=likely(asked, names), parameter="layer"
+    )
 
 
 def _ambiguous(specs: Sequence[oiio.ImageSpec], layers: Sequence[Layer]) -> ReadError:

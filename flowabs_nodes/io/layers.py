@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import OpenImageIO as oiio
 
-from flowabs_nodes.errors import ReadError, nearest
+from flowabs_nodes.errors import ReadError, likely
 from flowabs_nodes.io.oiio_error import printable
 from flowabs_nodes.io.views import part_view, views_in
 
@@ -64,7 +64,7 @@ def parts_to_read(specs: Sequence[oiio.ImageSpec], part: str | int) -> list[int]
         if index >= len(specs):
             names = [part_name(spec) or str(index) for index, spec in enumerate(specs)]
             message = f"part {part!r} is not in the file; it has {len(specs)}: {few(names)}"
-            hint = f"layer: {text!r}?" if text in views_in(specs) else nearest(text, names)
+            hint = f"layer: {text!r}?" if text in views_in(specs) else likely(text, names)
             raise ReadError(message, code="no-part", hint=hint, parameter="part")
         if specs[index].deep:
             raise ReadError(f"part {part!r} is deep data, which is not read", code="deep", parameter="part")
@@ -84,11 +84,21 @@ def check_windows(specs: Sequence[oiio.ImageSpec], chosen: Sequence[Selection]) 
 
 
 def listing(specs: Sequence[oiio.ImageSpec]) -> str:
-    """Return what a file holds, for messages: "it has R, G, B"."""
+    """Return what a file holds, for messages: "it has R, G, B, A, Z", "it has ViewLayer.Combined.RGBA"."""
     if len(specs) == 1:
-        return f"it has {few(specs[0].channelnames)}"
-    parts = [f"{part_name(spec) or index} ({few(spec.channelnames)})" for index, spec in enumerate(specs)]
+        return f"it has {few(_joined(specs[0].channelnames))}"
+    parts = [f"{part_name(spec) or index} ({few(_joined(spec.channelnames))})" for index, spec in enumerate(specs)]
     return f"it has the parts {few(parts)}"
+
+
+def _joined(channels: Iterable[str]) -> list[str]:
+    """Return channels in order, those of one letter of a layer as one: "N.XYZ" for "N.X", "N.Y", "N.Z"."""
+    found: dict[str, str] = {}
+    for channel in channels:
+        layer, dot, last = channel.rpartition(".")
+        key = layer + dot if dot and len(last) == 1 else channel
+        found[key] = found.get(key, key) + (last if key != channel else "")
+    return list(found.values())
 
 
 def few(names: Sequence[str], joint: str = ", ") -> str:

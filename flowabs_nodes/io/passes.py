@@ -11,7 +11,7 @@ from difflib import SequenceMatcher
 
 import OpenImageIO as oiio
 
-from flowabs_nodes.errors import ReadError, nearest
+from flowabs_nodes.errors import ReadError, likely
 from flowabs_nodes.io.layer_groups import Layer, Pick, called, inside_of, names_to_ask, of_default_view, within
 from flowabs_nodes.io.layers import Selection, few, listing, part_name
 from flowabs_nodes.io.pass_names import Names, plain_name
@@ -54,7 +54,8 @@ def find_named(
 
     That is any name that :func:`~flowabs_nodes.io.layer_groups.called` knows, or a channel's ("ViewLayer.Depth.Z"). The
     name of a view layer or view ("Fg", "right", "Fg.right") means the pass with a usual name in it. Raises ReadError:
-    no-layer, ambiguous-layer, or wrong-layer, where its channels do not fit the pass.
+    unknown-layer, no-layer where that view layer has no such pass, ambiguous-layer, or wrong-layer, where its channels
+    do not fit the pass.
     """
     layers = list(layers)
     inside = find_usual(specs, inside_of(specs, layers, layer, pick), names, pick)
@@ -71,9 +72,10 @@ def find_named(
         if there := within(specs, layers, layer):
             raise missing(specs, there, names)
         known = {each.name for each in layers} | {name for each in layers for name in each.channels.values()}
-        known |= {part_name(specs[each.part]) for each in layers} | {each.view_layer for each in layers}
+        known |= {part_name(specs[each.part]) for each in layers}
+        known |= {name for each in layers for name in (each.view_layer, each.base)}
         message = f"layer {layer!r} is not in the file; {listing(specs)}"
-        raise ReadError(message, code="no-layer", hint=nearest(layer, known - {""}), parameter="layer")
+        raise ReadError(message, code="unknown-layer", hint=likely(layer, known - {""}), parameter="layer")
     fitting = [each for each in found if pick(each)]
     if not fitting:
         holds = few(list(found[0].channels.values()))
@@ -89,9 +91,19 @@ def missing(specs: Sequence[oiio.ImageSpec], layers: Iterable[Layer], names: Nam
         for layer in layers
     }
     best = max(likeness, key=lambda name: likeness[name], default="")
-    near = f"layer: {best!r}?" if best and likeness[best] >= 0.6 else "name the layer"
+    near = f"layer: {best!r}?" if best and likeness[best] >= 0.6 else "name its layer, or the file that has it"
     message = f"no layer with a usual name for {names.what} ({', '.join(names.usual)}); {listing(specs)}"
     return ReadError(message, code="no-layer", hint=near, parameter="layer")
+
+
+def guessed_wrong(chosen: Selection, names: Names, why: str, meant: bool = True) -> ReadError:
+    """Return the error for a file's only layer that is not the pass that it was taken for, and ``why``.
+
+    Where it may be ``meant`` all the same, the hint says how to say so.
+    """
+    hint = f"layer: {chosen.guessed!r}, if it is" if meant else "file: the one that has it"
+    message = f"no {names.what} in the file: in its only layer, {', '.join(chosen.channels)}, {why}"
+    return ReadError(message, code="no-layer", hint=hint, parameter="layer")
 
 
 def _only(specs: Sequence[oiio.ImageSpec], found: Sequence[Layer], names: Names, pick: Pick) -> Selection:

@@ -15,7 +15,7 @@ from flowabs_nodes.io import cryptomatte, passes
 from flowabs_nodes.io.image_file import PictureFile
 from flowabs_nodes.io.layer_groups import Layer, inside_of, of_default_view, within
 from flowabs_nodes.io.layers import Selection
-from flowabs_nodes.io.pass_names import ANY_CRYPTOMATTE, ANY_MATERIAL, CRYPTOMATTE, ID, MATERIAL, plain_name
+from flowabs_nodes.io.pass_names import ANY_CRYPTOMATTE, ANY_MATERIAL, CRYPTOMATTE, ID, MATERIAL, Names, plain_name
 from flowabs_nodes.io.read import Say, quiet
 from flowabs_nodes.io.read_passes import grey, image_of, opened, say_which
 from flowabs_nodes.io.settings import Settings
@@ -44,14 +44,15 @@ def read_id(
     with opened(path, settings, part) as (file, layers):
         known = cryptomatte.declared(file.specs)
         chosen = _id_layer(file, layers, layer, known)
-        say_which(chosen, layer, note)
         if len(chosen.channels) == 4:
             ids, coverage = cryptomatte.majority(file, layers, chosen)
         else:
             planes = file.read_native(chosen.part, chosen.channels)
-            numbers = grey(np.stack([planes[name] for name in chosen.channels], axis=2), chosen)
-            ids = _whole(numbers, "no-layer" if chosen.guessed else "wrong-layer")[..., 0]
+            names = MATERIAL if plain_name(layer).endswith(ANY_MATERIAL) else ID
+            numbers = grey(np.stack([planes[name] for name in chosen.channels], axis=2), chosen, names)
+            ids = _whole(numbers, chosen, names)[..., 0]
             coverage = np.ones(ids.shape, np.float32)
+        say_which(chosen, layer, note)
         name = cryptomatte.base_name(split_view(chosen.layer, views_in(file.specs))[0])
         manifest = known.get(name, {}) if len(chosen.channels) == 4 else {}
         return image_of(file, chosen, "id", ids, manifest), image_of(file, chosen, "mono", coverage, manifest)
@@ -117,22 +118,17 @@ def _cryptomatte(file: PictureFile, levels: Sequence[Layer]) -> Selection | None
     )
 
 
-def _whole(numbers: npt.NDArray[Any], code: str) -> npt.NDArray[Any]:
-    """Return ids, uint32, of numbers of any type, which are whole; -1 becomes 4294967295.
-
-    Raises ReadError, with ``code``, where some are not.
-    """
+def _whole(numbers: npt.NDArray[Any], chosen: Selection, names: Names) -> npt.NDArray[Any]:
+    """Return ids, uint32, of numbers of any type, which are whole; -1 becomes 4294967295. Raises ReadError."""
     if numbers.dtype.kind == "f":
         numbers = numbers.astype(np.float64)
     with np.errstate(invalid="ignore"):
         wrong = int((numbers != np.floor(numbers)).sum()) + int(((numbers > 2**32 - 1) | (numbers < -(2**31))).sum())
+        if wrong and chosen.guessed:
+            raise passes.guessed_wrong(chosen, names, f"{wrong} numbers are not whole, or too large", meant=False)
         if wrong:
-            raise ReadError(
-                f"{wrong} of the numbers are no ids: whole, and at most 4294967295",
-                code=code,
-                hint="read_aov reads any numbers",
-                parameter="layer",
-            )
+            message = f"{wrong} of the numbers are no ids: whole, and at most 4294967295"
+            raise ReadError(message, code="wrong-layer", hint="read_aov reads any numbers", parameter="layer")
     if numbers.dtype.kind == "f" and (numbers < 0).any():
         numbers = numbers.astype(np.int64) & 0xFFFFFFFF
     return TYPES["id"].cast(numbers, whole_floats=True)

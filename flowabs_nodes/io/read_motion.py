@@ -8,7 +8,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from flowabs_nodes.array_types import Array
-from flowabs_nodes.errors import ReadError
 from flowabs_nodes.image import Image
 from flowabs_nodes.io import passes
 from flowabs_nodes.io.image_file import PictureFile
@@ -57,15 +56,10 @@ def read_motion(
         ways = _ways(file, layers, layer, convention)
         found: dict[str, Array] = {}
         for way, chosen in ways.items():
-            say_which(chosen, layer, note, f", as {way}")
             pixels = file.read(chosen.part, chosen.channels)
             if chosen.guessed and pixels.any() and not (pixels < 0).any():
-                raise ReadError(
-                    "the file's only layer holds no motion: nothing moves left or down",
-                    code="no-layer",
-                    hint=f"layer: {chosen.guessed!r}, if this is motion",
-                    parameter="layer",
-                )
+                raise passes.guessed_wrong(chosen, MOTION, "nothing moves left or down")
+            say_which(chosen, layer, note, f", as {way}")
             found[way] = _moving(pixels, is_half(file, chosen), note)
         if "blender" in found:
             pixels = found["blender"]

@@ -44,8 +44,9 @@ def read_depth(
     :func:`~flowabs_nodes.io.read.read_image`, and where no layer, or more than one, could be meant.
     """
     with opened(path, settings, part) as (file, layers):
-        chosen = chosen_layer(file, layers, layer, DEPTH, Layer.single, note)
-        pixels = grey(file.read(chosen.part, chosen.channels), chosen)
+        chosen = chosen_layer(file, layers, layer, DEPTH, Layer.single)
+        pixels = grey(file.read(chosen.part, chosen.channels), chosen, DEPTH)
+        say_which(chosen, layer, note)
         half = is_half(file, chosen)
         nans = int(np.isnan(pixels).sum())
         far = ~(pixels < (HALF_MAX if half else FAR)) | np.isneginf(pixels)
@@ -72,10 +73,11 @@ def read_normal(
     Inf becomes 0, 0, 0, and ``warn`` is told how many there are. Raises ReadError as :func:`read_depth`.
     """
     with opened(path, settings, part) as (file, layers):
-        chosen = chosen_layer(file, layers, layer, NORMAL, lambda each: each.vector(3), note)
+        chosen = chosen_layer(file, layers, layer, NORMAL, lambda each: each.vector(3))
         pixels = file.read(chosen.part, chosen.channels)
         if chosen.guessed:
             _check_lengths(pixels, chosen)
+        say_which(chosen, layer, note)
         if not np.isfinite(pixels).all():
             whole = np.isfinite(pixels).all(axis=2, keepdims=True)
             broken = pixels.shape[0] * pixels.shape[1] - np.count_nonzero(whole)
@@ -91,12 +93,7 @@ def _check_lengths(pixels: npt.NDArray[Any], chosen: Selection) -> None:
     lengths = lengths[np.isfinite(lengths) & (lengths > 0)]
     share = (np.abs(lengths - 1) < 0.05).mean() if lengths.size else 1
     if share < 0.5:
-        raise ReadError(
-            f"the file's only layer holds no normals: {share:.0%} of its vectors have the length 1",
-            code="no-layer",
-            hint=f"layer: {chosen.guessed!r}, if these are normals",
-            parameter="layer",
-        )
+        raise passes.guessed_wrong(chosen, NORMAL, f"{share:.0%} of the vectors have the length 1")
 
 
 # ---------------------------------------------------------------------- for all passes
@@ -132,22 +129,17 @@ def opened(
         raise
 
 
-def chosen_layer(
-    file: PictureFile, layers: Sequence[Layer], layer: str, names: Names, pick: Pick, note: Say
-) -> Selection:
+def chosen_layer(file: PictureFile, layers: Sequence[Layer], layer: str, names: Names, pick: Pick) -> Selection:
     """Return the channels of the layer that is asked for, of the one with a usual name, or of a file's only one.
 
     Raises ReadError.
     """
     if layer:
-        chosen = passes.find_named(file.specs, layers, layer, names, pick)
-    else:
-        found = passes.find_usual(file.specs, layers, names, pick) or passes.find_only(layers, pick)
-        if found is None:
-            raise passes.missing(file.specs, layers, names)
-        chosen = found
-    say_which(chosen, layer, note)
-    return chosen
+        return passes.find_named(file.specs, layers, layer, names, pick)
+    found = passes.find_usual(file.specs, layers, names, pick) or passes.find_only(layers, pick)
+    if found is None:
+        raise passes.missing(file.specs, layers, names)
+    return found
 
 
 def say_which(chosen: Selection, asked: str, note: Say, how: str = "") -> None:
@@ -164,13 +156,13 @@ def is_half(file: PictureFile, chosen: Selection) -> bool:
     return bool(spec.channelformat(spec.channelnames.index(chosen.channels[0])) == oiio.TypeHalf)
 
 
-def grey(pixels: npt.NDArray[Any], chosen: Selection) -> npt.NDArray[Any]:
+def grey(pixels: npt.NDArray[Any], chosen: Selection, names: Names) -> npt.NDArray[Any]:
     """Return the first channel, (H, W, 1). Raises ReadError where others are not the same: then it is a colour."""
     if not (pixels[..., 1:] == pixels[..., :1]).all():
-        names = ", ".join(chosen.channels)
-        what = "the file's only layer" if chosen.guessed else f"layer {chosen.layer!r}"
-        code = "no-layer" if chosen.guessed else "wrong-layer"
-        raise ReadError(f"{what} is no single number: {names} differ", code=code, parameter="layer")
+        if chosen.guessed:
+            raise passes.guessed_wrong(chosen, names, "each pixel has several numbers", meant=False)
+        message = f"layer {chosen.layer!r} is no single number: {', '.join(chosen.channels)} differ"
+        raise ReadError(message, code="wrong-layer", parameter="layer")
     return pixels[..., :1]
 
 

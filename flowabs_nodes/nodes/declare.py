@@ -51,6 +51,7 @@ class Port:
 
     An input must have all pixels of the data window of the node's first one, to which it is cut. One that may be
     ``cut`` need not, if it is of a picture of the same size: it is its type's value for outside where it has none.
+    An optional input that means something only ``beside`` another one names that: without it, it is a mistake.
     """
 
     name: str
@@ -58,6 +59,7 @@ class Port:
     help: str
     optional: bool = False
     cut: bool = False
+    beside: str = ""
 
     @property
     def accepts(self) -> tuple[str, ...]:

@@ -92,7 +92,8 @@ def _optional(node: Node, port: Port) -> str:
     """Return what to say behind the types of an input that need not be connected."""
     if port.name in node.one_of:
         return f", one of {', '.join(node.one_of)} is needed"
-    return ", optional" if port.optional else ""
+    beside = f", with {port.beside}" if port.beside else ""
+    return f", optional{beside}" if port.optional else ""
 
 
 def outputs(node: Node) -> list[tuple[str, str, str]]:

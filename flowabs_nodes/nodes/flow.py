@@ -92,9 +92,13 @@ ETF = Node(
             cut=True,
         ),
         Port(
-            "edge_strength", "mono", "Edges that passes know: how sure one is, 0 to 1. Needs edge_flow.", optional=True
+            "edge_strength",
+            "mono",
+            "Edges that passes know: how sure one is, 0 to 1.",
+            optional=True,
+            beside="edge_flow",
         ),
-        Port("edge_flow", "flow", "The flow along these edges. Needs edge_strength.", optional=True),
+        Port("edge_flow", "flow", "The flow along these edges.", optional=True, beside="edge_strength"),
     ),
     outputs=(Port("flow", "flow", "Unit tangents, x right, y down; their sign has no meaning."),),
     params=(

@@ -38,7 +38,8 @@ def _pass_over(error: ReadError, absent: str, context: Context) -> None:
     """Tell that a pass is not in the file. Raises ``error`` where it says something else, or it must be there."""
     if absent == "error" or error.code != "no-layer":
         raise error
-    context.warn(f"nothing is read: {error.message.partition(' (')[0]}")
+    tell = context.note if absent == "optional" else context.warn
+    tell(f"nothing is read: {error.message.partition(' (')[0]}")
 
 
 def run_read_depth(context: Context, *, file: str, missing: str = "error", **where: Any) -> Image:

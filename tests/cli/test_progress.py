@@ -91,7 +91,7 @@ EVENTS = [
     ("loudness", "lines"),
     [
         (Loudness.QUIET, []),
-        (Loudness.NORMAL, ["frames 1-24: plate: linear"]),
+        (Loudness.NORMAL, []),
         (
             Loudness.VERBOSE,
             ["frame 3  flow: etf 1.50 s", "frame 3  plate: reads in.0003.exr", "frames 1-24: plate: linear"],

@@ -36,6 +36,13 @@ def test_frames_that_failed_alike_share_a_line():
     ]
 
 
+def test_a_parameter_is_named_once():
+    error = WriteError("keep_layers: the plate has no layer 'a'", parameter="keep_layers", node="out")
+    assert failed_lines(Report((failed(1, error),), 1), again)[1] == (
+        "  frame 1: node out: keep_layers: the plate has no layer 'a'"
+    )
+
+
 def test_a_run_that_was_stopped_says_what_makes_the_rest():
     report = Report((FrameReport(1, "done"), gone(2)), 130, not_made=(3, 4))
     assert failed_lines(report, again)[-2:] == ["To make what is not there:", "  again 2-4"]

@@ -141,7 +141,8 @@ def test_a_hole_that_is_an_error_names_its_frame_and_node(tmp_path):
     assert statuses(report)[5:] == [(6, "done"), (7, "done")]
     for failed in report.frames[:5]:
         assert (failed.error.frame, failed.error.node) == (3, "plate")
-        assert "plate.0003.exr: frame 3: node plate: no such file" in str(failed.error)
+        said = "plate.0003.exr: frame 3: node plate: no such file (frames 1-2,4-7 are there; --missing says"
+        assert said in str(failed.error)
 
 
 def test_a_neighbour_that_cannot_be_read_names_its_frame_and_node(tmp_path):

@@ -49,11 +49,11 @@ def test_a_scaled_value_stays_inside_the_hard_range_and_says_so():
     assert scale_lengths(LINES, {"above": 5e-324}, 0.5)[0]["above"] > 0
 
 
-def test_thin_lines_are_warned_of_once():
-    (warning,) = scale_lengths(LINES, {"width": 1.5}, 0.5)[1]
-    assert warning.warning
-    assert warning.once
-    assert "width is 0.75 px at this size: below 0.9" in warning.text
+def test_thin_lines_are_noted_once():
+    (note,) = scale_lengths(LINES, {"width": 1.5}, 0.5)[1]
+    assert not note.warning, "they are drawn as asked for"
+    assert note.once
+    assert "width is 0.75 px at this size: below 0.9" in note.text
     assert scale_lengths(LINES, {"width": 1.8}, 0.5)[1] == ()
     assert scale_lengths(LINES, {"width": 0.5}, 1.0)[1] == (), "what the graph says itself needs no warning"
     assert scale_lengths(SPLIT, {"length": 1.5}, 0.5)[1] == (), "a length that draws no lines may be short"
@@ -86,6 +86,9 @@ def test_a_length_held_at_its_floor_is_said_in_one_line():
         "width 1 x 0.15 = 0.15 px is too short at this size: 0.4 px used",
     )
     assert warning.once
+    both = replace(LINES, params=(Param.float("reach", 7.0, min=1, unit="px", floor=2, help="."),))
+    (warning,) = scale_lengths(both, {"reach": 7.0}, 0.1)[1]
+    assert warning.text == "reach 7 x 0.1 = 0.7 px is too short at this size: 2 px used", "beyond its range as well"
     assert scale_lengths(FLOORED, {"width": 0.1}, 1.0)[1] == (), "the graph's own value, not scaled"
 
 

@@ -147,7 +147,7 @@ def test_what_is_wrong_with_a_graph_but_does_not_keep_it_from_running_is_said(sh
     assert any(event["event"] == "note" and event["level"] == "warning" and "idle" in event["text"] for event in events)
 
 
-def test_a_warning_about_thin_lines_is_said_once(shot, out):
+def test_a_note_about_thin_lines_is_said_once(shot, out):
     def passes(context, image, *, width):
         return image
 

@@ -11,6 +11,13 @@ from tests.engine.windows import MEAN, asking, grey
 CONTEXT = Context(frame=7, node="mean")
 
 
+def of_one_shot(image):
+    """Return the image on the display window of :func:`picture`."""
+    spec = image.spec
+    spec.full_width, spec.full_height = 32, 24
+    return Image(image.pixels, spec, image.type)
+
+
 def seen(inputs, **params):
     """Return what the node's function gets as its image."""
     found = {}
@@ -36,11 +43,18 @@ def test_one_image_is_the_own_frame():
 
 
 def test_other_frames_are_cut_to_the_own_frames_data_window_and_0_outside():
-    own, other = picture(), grey(1, 5, 5)  # on windows 8x6+3-2 and 5x5+0+0
+    own, other = picture(), of_one_shot(grey(1, 5, 5))  # on windows 8x6+3-2 and 5x5+0+0
     found = seen({"image": {0: own, 1: other}})
     assert found[1].data_window == own.data_window
     assert found[1].pixels.sum() == 3 * 2 * 4
     assert found[1].pixels[2:6, 0:2].min() == 1
+
+
+def test_a_frame_of_another_size_is_refused():
+    words = "frame 8 of input 'image' is of a picture of 5x5, but frame 7 of 32x24"
+    with pytest.raises(FlowabsError, match=words) as failure:
+        seen({"image": {0: picture(), 1: grey(1, 5, 5)}})
+    assert failure.value.code == "window-mismatch"
 
 
 def test_other_frames_are_of_the_own_frames_type():
@@ -63,7 +77,7 @@ def test_mask_and_mix_go_over_the_own_frame():
 
 def test_windows_and_metadata_of_the_own_frame_stay():
     own = picture()
-    out = call_node(MEAN, CONTEXT, {"image": {0: own, 1: grey(1, 6, 8)}}, {})["image"]
+    out = call_node(MEAN, CONTEXT, {"image": {0: own, 1: of_one_shot(grey(1, 6, 8))}}, {})["image"]
     assert (out.data_window, out.display_window) == (own.data_window, own.display_window)
     assert out.spec.getattribute("owner") == "somebody"
 

@@ -141,7 +141,10 @@ def test_in_place_of_an_absent_pass_nothing_is_read_and_that_is_told(tmp_path: P
     assert all(each.startswith("nothing is read: ") for each in warnings.values())
 
 
-@pytest.mark.parametrize(("params", "code"), [({"layer": "N"}, "wrong-layer"), ({"absent": "error"}, "no-layer")])
+@pytest.mark.parametrize(
+    ("params", "code"),
+    [({"layer": "N"}, "wrong-layer"), ({"absent": "error"}, "no-layer"), ({"layer": "nromal"}, "unknown-layer")],
+)
 def test_what_else_is_wrong_with_a_pass_is_an_error_all_the_same(
     tmp_path: Path, params: dict[str, str], code: str
 ) -> None:
@@ -149,3 +152,12 @@ def test_what_else_is_wrong_with_a_pass_is_an_error_all_the_same(
     with pytest.raises(fa.FlowabsError) as caught:
         absent_graph(path, **params).run(outputs="normal")
     assert caught.value.code == code
+
+
+def test_of_a_pass_that_few_renders_have_there_is_a_note_and_no_warning(tmp_path: Path) -> None:
+    said: list[dict[str, Any]] = []
+    graph = absent_graph(exr(tmp_path / "a.exr", planes(colors())), absent="optional")
+    assert not graph.run(outputs="ids", on_event=said.append)["ids"].pixels.any()
+    told = [(each["level"], each["text"]) for each in said if each["node"] == "ids"]
+    why = "no ids in the file: in its only layer, R, G, B, each pixel has several numbers"
+    assert told == [("note", f"nothing is read: {why}")]

@@ -36,7 +36,9 @@ assert compiled or not {"numba.np.arrayobj", "numba.np.linalg"} & set(sys.module
 kept = [each.data["dispatcher"]._cache for _, each in recorder.buffer if each.is_start]
 print(kernel_version.VERSION, compiled, *[each.name for each in kept if hasattr(each, "name")])
 """
-SEVERAL = COLOR.replace("import kernel_version\n", "import kernel_version\n    filters.blur(np.ones((3, 3), np.float32))\n")
+SEVERAL = COLOR.replace(
+    "import kernel_version\n", "import kernel_version\n    filters.blur(np.ones((3, 3), np.float32))\n"
+)
 
 
 def double(values, by=2.0):

@@ -51,9 +51,9 @@ def edges_of(
     if strength is None and flow is None:
         return None
     if flow is None:
-        raise ArgumentError("edge_strength: needs edge_flow too", code="missing-input", parameter="edge_flow")
+        raise ArgumentError("edge_strength needs edge_flow too", code="missing-input", parameter="edge_strength")
     if strength is None:
-        raise ArgumentError("edge_flow: needs edge_strength too", code="missing-input", parameter="edge_strength")
+        raise ArgumentError("edge_flow needs edge_strength too", code="missing-input", parameter="edge_flow")
     known = validate.plane("edge_strength", strength, shape)
     return Edges(known, validate.flow_field(flow, shape, "edge_flow"), weight)
 

@@ -19,7 +19,8 @@ _HINTS = {
 }
 
 #: What else may help in Blender, beside the hint.
-_MORE = {"no-layer": "a render has the passes that are on under View Layer Properties, Passes"}
+_PASSES = "a render has the passes that are on under View Layer Properties, Passes"
+_MORE = {"no-layer": _PASSES, "unknown-layer": _PASSES}
 
 
 def message(error: FlowabsError) -> str:

@@ -119,8 +119,8 @@ def test_the_key_of_a_flow_without_edges_is_what_it_was():
 def test_errors_name_the_argument():
     strength, flow = ring()
     for message, edges in {
-        "edge_strength: needs edge_flow too": {"edge_strength": strength},
-        "edge_flow: needs edge_strength too": {"edge_flow": flow},
+        "edge_strength needs edge_flow too": {"edge_strength": strength},
+        "edge_flow needs edge_strength too": {"edge_flow": flow},
         "edge_strength: expected the size of the picture, 64x64": {"edge_strength": strength[1:], "edge_flow": flow},
         r"edge_flow: expected shape \(H, W, 2\)": {"edge_strength": strength, "edge_flow": flow[..., :1]},
         "edge_weight: expected a number at least 0": {"edge_weight": -1},
