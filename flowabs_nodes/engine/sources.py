@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterable, Mapping
-from contextlib import suppress
-from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from flowabs_nodes.engine.error_boundary import error_boundary
@@ -106,9 +105,13 @@ class Sources:
             there = f"frames {frame_range(frames)} are there" if len(frames) > 1 else f"frame {frames[0]} is there"
             return f"{there}; --missing says what to read for others"
         folder, name = os.path.split(sequence.path(unit.frame))
-        with suppress(OSError):
-            return likely(name, islice(sorted(os.listdir(folder or ".")), _MOST_NAMES))
-        return ""
+        try:
+            names = sorted(os.listdir(folder or "."))[:_MOST_NAMES]
+        except OSError:
+            return ""
+        if sequence.has_token:  # of another sequence, whatever its frames are
+            return likely(_with_token(name), {_with_token(each) for each in names})
+        return likely(name, names)
 
     def _sequence(self, unit: Unit) -> Sequence:
         """Return the sequence or single picture that a unit reads."""
@@ -116,6 +119,11 @@ class Sources:
         if pattern not in self._sequences:
             self._sequences[pattern] = Sequence.to_read(pattern)
         return self._sequences[pattern]
+
+
+def _with_token(name: str) -> str:
+    """Return a file name with # for each digit: "a.####.exr" for a.0001.exr."""
+    return re.sub(r"\d", "#", name)
 
 
 def reads_pictures(graph: Graph, node: str) -> bool:

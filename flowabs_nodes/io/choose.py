@@ -156,7 +156,7 @@ def _within(specs: Sequence[oiio.ImageSpec], layers: Sequence[Layer], asked: str
 def _refused(specs: Sequence[oiio.ImageSpec], layers: Sequence[Layer], asked: str) -> Selection:
     """Raise ReadError: the layer is not there, or has no colour."""
     colored = _colored(layers, _RGBA)
-    names = {name for each in colored for name in (each.name, each.base, each.view_layer)} - {""}
+    names = {name for each in colored for name in each.names}
     there = bool(called(specs, layers, asked))
     what = "has no red, green and blue (nor Y)" if there else "is not in the file"
     code = "no-layer" if there else "unknown-layer"

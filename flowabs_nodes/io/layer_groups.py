@@ -48,6 +48,11 @@ class Layer(NamedTuple):
         return self.base.rpartition(".")[0]
 
     @property
+    def names(self) -> set[str]:
+        """What it may be asked for by: its name, without the view, its last part; and its view layer's."""
+        return {self.name, self.base, self.base.rpartition(".")[2], self.view_layer} - {""}
+
+    @property
     def is_one_thing(self) -> bool:
         """Whether its channels are one number, or components of one vector or colour."""
         return len(self.channels) == 1 or any(self.channels.keys() <= set(family) for family in _VECTORS)

@@ -71,9 +71,8 @@ def find_named(
     if not found:
         if there := within(specs, layers, layer):
             raise missing(specs, there, names)
-        known = {each.name for each in layers} | {name for each in layers for name in each.channels.values()}
+        known = {name for each in layers for name in (*each.names, *each.channels.values())}
         known |= {part_name(specs[each.part]) for each in layers}
-        known |= {name for each in layers for name in (each.view_layer, each.base)}
         message = f"layer {layer!r} is not in the file; {listing(specs)}"
         raise ReadError(message, code="unknown-layer", hint=likely(layer, known - {""}), parameter="layer")
     fitting = [each for each in found if pick(each)]

@@ -237,6 +237,17 @@ def test_wrong_inputs_and_parameters(inputs, params, code, words):
     assert (failure.value.code, failure.value.node) == (code, "sum")
 
 
+def test_an_input_that_needs_another_one():
+    """As a known edge's strength needs its flow."""
+    ports = (IMAGE, Port("strength", "mono", ".", optional=True, beside="along"), Port("along", "flow", ".", True))
+    pair = changed(ADD, lambda context, image, strength, along, **params: image, inputs=ports)
+    image = picture()
+    call_node(pair, Context(), {"image": image}, {})
+    with pytest.raises(FlowabsError, match="input 'strength' needs 'along' too") as caught:
+        call_node(pair, Context(), {"image": image, "strength": image.with_pixels(image.pixels[..., 0], "mono")}, {})
+    assert caught.value.code == "missing-input"
+
+
 @pytest.mark.parametrize(
     ("run", "words"),
     [

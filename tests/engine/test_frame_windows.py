@@ -145,6 +145,17 @@ def test_a_hole_that_is_an_error_names_its_frame_and_node(tmp_path):
         assert said in str(failed.error)
 
 
+@pytest.mark.parametrize(
+    ("file", "hint"),
+    [("plaet.####.exr", "did you mean 'plate.####.exr'?"), ("plate.001.exr", "did you mean 'plate.0001.exr'?")],
+)
+def test_a_file_that_is_missing_gets_the_nearest_name(tmp_path, file, hint):
+    greys(tmp_path / "in", 1, 2)
+    graph = load(chain("mean", plate={"file": str(tmp_path / "in" / file)}), MEAN)
+    report = engine.run(graph, output=tmp_path / "out.####.exr", frames="1")
+    assert (report.frames[0].error.code, report.frames[0].error.hint) == ("missing-file", hint)
+
+
 def test_a_neighbour_that_cannot_be_read_names_its_frame_and_node(tmp_path):
     graph = load(chain("mean", plate={"file": greys(tmp_path / "in", *range(1, 7))}), MEAN)
     (tmp_path / "in/plate.0006.exr").write_bytes(b"no picture")

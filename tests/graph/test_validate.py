@@ -7,7 +7,7 @@ import jsonschema
 import pytest
 
 from flowabs_nodes import graph
-from flowabs_nodes.nodes.declare import Param
+from flowabs_nodes.nodes.declare import Param, Port
 from tests.graph.fakes import CATALOGUE, document, nodes
 
 LINES = {"type": "lines@1", "inputs": {"image": "plate", "flow": "field"}}
@@ -182,6 +182,17 @@ def test_links(inputs, code, pointer):
         out={"type": "write@1", "inputs": {"image": "field", "a": "plate", "depth": "depth"}},
     )
     assert found(source) == [(code, f"/nodes/field/inputs/{pointer}")]
+
+
+def test_an_input_that_needs_another_one():
+    edges = (Port("strength", "mono", ".", optional=True, beside="along"), Port("along", "flow", ".", optional=True))
+    flow = dataclasses.replace(CATALOGUE["flow"], inputs=(*CATALOGUE["flow"].inputs, *edges))
+    alone = nodes(field={"type": "flow@1", "inputs": {"image": "plate", "strength": "drawing.response"}})
+    alone["nodes"]["drawing"] = {"type": "lines@1", "inputs": {"image": "plate", "flow": "other"}}
+    alone["nodes"]["other"] = {"type": "flow@1", "inputs": {"image": "plate"}}
+    problems = [each for each in graph.check(alone, CATALOGUE | {"flow": flow}) if not each.warning]
+    assert [(each.code, each.pointer) for each in problems] == [("missing-input", "/nodes/field/inputs/along")]
+    assert "strength" in problems[0].expected
 
 
 def test_a_wrong_input_name_stands_for_one_open_input_only():

@@ -82,6 +82,9 @@ def test_a_missing_pass_lists_what_there_is_with_the_nearest(tmp_path: Path) -> 
     assert caught.value.file == str(path)
     with pytest.raises(ReadError, match=r"'dept' is not in the file; it has .*did you mean 'deph'"):
         read_depth(path, layer="dept")
+    of_a_layer = exr(tmp_path / "b.exr", {"ViewLayer.Depth.Z": renders.depth(), "ViewLayer.Mist.Z": renders.depth()})
+    with pytest.raises(ReadError, match=r"it has ViewLayer.Depth.Z, ViewLayer.Mist.Z \(did you mean 'Depth'"):
+        read_depth(of_a_layer, layer="depht")
 
 
 @pytest.mark.parametrize("render", BLENDER)
