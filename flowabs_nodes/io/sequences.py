@@ -214,6 +214,7 @@ class Sequence:
             after = bisect(listed, frame)
             there = listed[max(0, after - 1) : after + (missing != "hold")]
         if not there:
+            _check_access(path, frame)
             message, hint = "no such file", ""
             if missing == "hold" and self.has_token:
                 message, hint = "no such file, and no earlier frame to hold", 'missing: "nearest" takes a later one too'
@@ -224,3 +225,13 @@ class Sequence:
             raise ReadError(message, code="missing-file", file=path, frame=frame, hint=hint)
         nearest = min(there, key=lambda other: (abs(other - frame), other))
         return Source(self.on_disk(nearest) or self.path(nearest), frame, black=missing == "black")
+
+
+def _check_access(path: str, frame: int) -> None:
+    """Raise ReadError where a file may be there, but the system does not let us look."""
+    try:
+        os.stat(path)
+    except PermissionError as error:
+        raise ReadError(f"cannot be read: {error.strerror}", file=path, frame=frame) from error
+    except (OSError, ValueError):
+        pass

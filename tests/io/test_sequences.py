@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from pathlib import Path
 
@@ -137,6 +138,16 @@ def test_missing_with_nothing_there(tmp_path: Path) -> None:
             Sequence(str(tmp_path / "s.####.exr")).resolve(1, missing)
         with pytest.raises(ReadError, match="no such file"):
             Sequence(str(tmp_path / "none" / "s.exr")).resolve(1, missing)
+
+
+def test_a_folder_that_may_not_be_entered_is_no_missing_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(path: str, **options: object) -> None:
+        raise PermissionError(13, "Permission denied", path)
+
+    monkeypatch.setattr(os, "stat", refuse)
+    with pytest.raises(ReadError, match="cannot be read: Permission denied") as caught:
+        Sequence("closed/plate.####.exr").resolve(3)
+    assert (caught.value.code, caught.value.file) == ("read-failed", "closed/plate.0003.exr")
 
 
 @pytest.mark.parametrize(
