@@ -67,6 +67,24 @@ def render(file: Path) -> None:
     write(picture, file, "float")
 
 
+def passes_apart(first: Path) -> None:
+    """Write the passes of :func:`render` into files of their own, each its file's only layer."""
+    whole = first.with_name("whole.exr")
+    render(whole)
+    picture = oiio.ImageBuf(str(whole))
+    files = {
+        first.name: ("Combined", "RGB"),
+        "z.1001.exr": ("Depth", "Z"),
+        "n.1001.exr": ("Normal", "XYZ"),
+        "motion.1001.exr": ("Vector", "XYZW"),
+        "crypto.1001.exr": ("IndexOB", "X"),
+        "crypto_material.1001.exr": ("IndexOB", "X"),
+    }
+    for name, (layer, letters) in files.items():
+        order = tuple(f"ViewLayer.{layer}.{letter}" for letter in letters)
+        write(oiio.ImageBufAlgo.channels(picture, order, tuple(letters)), first.with_name(name), "float")
+
+
 def graph(file: Path) -> None:
     """Write a graph of the user's."""
     shutil.copy(ROOT / "graphs" / "lines.json", file)
@@ -77,6 +95,7 @@ SUPPLIES: dict[str, Callable[[Path], None]] = {
     "plate.exr": plate,
     "shot.1001.exr": shot,
     "render.1001.exr": render,
+    "beauty.1001.exr": passes_apart,
     "my_graph.json": graph,
 }
 
