@@ -48,7 +48,12 @@ class FrameOutputs:
         self._inputs_of = FrameWindows(graph, self._params, found, given).inputs_of
         self.steps = self._plan(given)
         refuse_missing_packages(graph, {step.unit.node for step in self.steps})
-        self._sources = found.of_steps(self.steps)
+        try:
+            self._sources = found.of_steps(self.steps)
+        except CommandError as error:
+            if error.code == "file-not-set":
+                error.hint = self._half_given(error.node) or error.hint
+            raise
         for unit, source in self._sources.items():
             if source.skip:
                 raise CommandError("no such file, and missing frames are skipped", code="missing-file", node=unit.node)
@@ -96,6 +101,13 @@ class FrameOutputs:
         )
         results = evaluation.run(self.steps, self._given, keep=self.wanted.values())
         return {name: results[result] for name, result in self.wanted.items()}
+
+    def _half_given(self, node: str | None) -> str:
+        """Return a hint for a node that would read a file, where some of its outputs are given and others are not."""
+        outputs = [] if node is None else list(self._graph.nodes[node].declaration.all_outputs)
+        there = [name for name in outputs if any((each.node, each.output) == (node, name) for each in self._given)]
+        others = [f"'{node}.{name}'" for name in outputs if name not in there]
+        return f"its {', '.join(there)} is given, but not {', '.join(others)}" if there and others else ""
 
     def _plan(self, given: Mapping[Result, Image]) -> tuple[Step, ...]:
         """Return the steps that compute what is wanted where ``given`` is there."""

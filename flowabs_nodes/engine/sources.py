@@ -41,6 +41,7 @@ class Sources:
         self._found: dict[Unit, Source] = {}
         self._sequences: dict[str, Sequence] = {}  # by pattern
         self._on_disk: dict[str, tuple[int, ...]] = {}
+        self._hints: dict[str, str] = {}  # what is there where files are missing, by node
 
     def of(self, unit: Unit) -> Source:
         """Return the source of a unit that reads.
@@ -99,11 +100,17 @@ class Sources:
         return self._on_disk[unit.node]
 
     def _what_is_there(self, unit: Unit) -> str:
-        """Return a hint for a file that is missing: the frames that are on disk, else the file of the nearest name."""
-        sequence = self._sequence(unit)
+        """Return a hint for a file that is missing; it is the same for all frames of a node."""
+        if unit.node not in self._hints:
+            self._hints[unit.node] = self._look_around(unit)
+        return self._hints[unit.node]
+
+    def _look_around(self, unit: Unit) -> str:
+        """Return a hint: the frames that are on disk, else the file of the nearest name."""
         if frames := self.frames_on_disk(unit):
             there = f"frames {frame_range(frames)} are there" if len(frames) > 1 else f"frame {frames[0]} is there"
             return f"{there}; --missing says what to read for others"
+        sequence = self._sequence(unit)
         folder, name = os.path.split(sequence.path(unit.frame))
         try:
             names = sorted(os.listdir(folder or "."))[:_MOST_NAMES]

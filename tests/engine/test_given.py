@@ -5,7 +5,7 @@ import OpenImageIO as oiio
 import pytest
 
 from flowabs_nodes.engine import load_graph
-from flowabs_nodes.errors import ArgumentError
+from flowabs_nodes.errors import ArgumentError, CommandError
 from flowabs_nodes.image import Image
 from tests.engine.fakes import picture
 
@@ -53,6 +53,13 @@ def test_an_array_becomes_what_the_output_is(graph):
     out = graph.run(given=given, outputs=["near", "z", "flow"])
     assert [image.type for image in out.values()] == ["matte", "depth", "flow"]
     assert out["z"].channels == ("Z",)
+
+
+def test_a_node_of_which_one_output_is_given_and_another_needed_says_so():
+    nodes = {"ids": {"type": "read_id@1"}, "near": {"type": "matte@1", "inputs": {"image": "ids.coverage"}}}
+    graph = load_graph({"format": "flowabs.graph/1", "nodes": nodes})
+    with pytest.raises(CommandError, match=r"node ids: .*\(its id is given, but not 'ids.coverage'\)"):
+        graph.run(given={"ids": np.ones((6, 8), np.uint32)}, outputs=["ids", "near"])
 
 
 def test_a_matte_that_is_an_array_masks(graph):
