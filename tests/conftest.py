@@ -40,6 +40,13 @@ def pytest_collection_finish() -> None:
     gc.freeze()
 
 
+@pytest.fixture
+def quick_collection() -> None:
+    """Leave out of garbage collection what earlier tests have loaded, for a test that collects again and again."""
+    gc.collect()
+    gc.freeze()
+
+
 def pytest_unconfigure() -> None:
     """Let everything be collected again, and so be destroyed in good order when Python ends."""
     gc.unfreeze()

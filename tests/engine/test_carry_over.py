@@ -62,7 +62,7 @@ def test_each_result_is_computed_once_in_a_run_and_little_is_held(shot, calls, s
     assert store.bytes == 0
 
 
-def test_memory_is_flat(shot, tmp_path):
+def test_memory_is_flat(shot, tmp_path, quick_collection):
     seen, alive = [], []
 
     def watch(context, image, *, radius):

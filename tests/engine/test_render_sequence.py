@@ -88,7 +88,7 @@ def test_scale_keeps_data_type_and_metadata(tmp_path):
     assert (spec.width, spec.full_height, str(spec.format), spec.get("shot")) == (32, 24, "float", "sq01")
 
 
-def test_a_frame_that_is_done_holds_no_image(tmp_path, out):
+def test_a_frame_that_is_done_holds_no_image(tmp_path, out, quick_collection):
     held = []
 
     def watch(context, image):

@@ -140,7 +140,7 @@ def test_a_graph_with_values_set_can_still_be_run(graph):
     assert graph.with_set({"stops": 0}).run(given={"plate": image})["bright"].pixels.tolist() == image.pixels.tolist()
 
 
-def test_a_result_is_let_go_after_its_last_use():
+def test_a_result_is_let_go_after_its_last_use(quick_collection):
     import gc
     import weakref
 
