@@ -74,7 +74,7 @@ def _tell_layers_left_out(context: Context, file: str, image: Image, layers: dic
     left_out = layers_left_out(image, layers, context.services) if format is not None and format.layers else ()
     if left_out:
         shown = ", ".join(left_out[:6]) + (f" and {len(left_out) - 6} more" if len(left_out) > 6 else "")
-        keep = f"--set {context.node}.keep_layers='\"*\"'"
+        keep = f"--set {context.node}.keep_layers='*'"
         context.note(f"the plate's other layers are left out: {shown} ({keep} keeps all)")
 
 
