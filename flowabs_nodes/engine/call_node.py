@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from copy import copy
 from dataclasses import replace
@@ -123,6 +124,7 @@ def fit_inputs(declaration: Node, inputs: Mapping[str, Image]) -> dict[str, Imag
                 f"input {name!r} has the data window {_describe(image.data_window)}, "
                 f"but input {first!r} has {_describe(window)}",
                 code="window-mismatch",
+                hint=_files(images, name, first),
             )
         if name in declared:
             check_picture_size(name, image, images[first], first)
@@ -135,6 +137,14 @@ def _holds(image: Image, other: Image) -> bool:
     return around(image.data_window, other.data_window) == image.data_window and (
         image.display_window == other.display_window
     )
+
+
+def _files(images: Mapping[str, Image], *names: str) -> str:
+    """Return of which files some inputs are; empty where that is not known of all, or all are of one."""
+    files = {name: origin.file for name in names if (origin := images[name].origin) is not None}
+    if len(files) < len(names) or len(set(files.values())) < 2:
+        return ""
+    return ", ".join(f"{name} is of {os.path.basename(file)}" for name, file in files.items())
 
 
 def _widen(declaration: Node, name: str, image: Image) -> Image:

@@ -161,6 +161,13 @@ def test_inputs_on_different_windows_are_refused_and_both_named():
     ) as failure:
         call_node(node, Context(frame=7, node="lines"), {"image": picture(), "flow": flow}, {})
     assert (failure.value.code, failure.value.node, failure.value.frame) == ("window-mismatch", "lines", 7)
+    assert failure.value.hint == ""
+    inputs = {
+        name: Image(image.pixels, image.spec, image.type, origin=Origin(f"/shots/{name}.exr"))
+        for name, image in (("image", picture()), ("flow", flow))
+    }
+    with pytest.raises(FlowabsError, match=r"flow is of flow.exr, image is of image.exr"):
+        call_node(node, Context(frame=7, node="lines"), inputs, {})
 
 
 def test_layers_are_brought_to_the_image_window():
