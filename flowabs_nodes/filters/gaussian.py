@@ -47,9 +47,12 @@ SURROUND = 1.6
 LONGER = 3
 
 
-def difference(sigma_c: float, rho: float, sigma_s: float | None = None) -> Float64:
-    """Return one side of f (eq. 8): G(sigma_c) - rho G(sigma_s), both over ceil(3 sigma_s) steps."""
-    inner, outer = centre_and_surround(sigma_c, sigma_s)
+def difference(sigma_c: float, rho: float, sigma_s: float | None = None, step: int = 1) -> Float64:
+    """Return one side of f (eq. 8): G(sigma_c) - rho G(sigma_s), both over ceil(3 sigma_s) steps.
+
+    With ``step`` only at the offsets 0, step, 2 step .., as :func:`every` has it.
+    """
+    inner, outer = (every(step, side) for side in centre_and_surround(sigma_c, sigma_s))
     return inner - rho * outer  # eq. 8
 
 

@@ -43,13 +43,19 @@ def lines_factor(working_scale: str, sigma_c: float, passes: int = 1, pre_blur: 
     return _factor(working_scale, (sigma_c, 2.0), (together, 2.8))
 
 
-def step_along(working_scale: str, pre_blur: float) -> int:
-    """Return how many steps along the flow lie between the samples that responses are summed of: 1, or 2.
+def step_along(working_scale: str, sigma_m: float, pre_blur: float) -> int:
+    """Return how many steps along the flow lie between the samples that responses are summed of: 1, 2 or 3.
 
-    ``pre_blur`` is the blur of the picture in pixels of the size that is worked on. A Gaussian of 2.5 leaves less than
-    a thousandth of what is as fine as four pixels: samples at every other pixel have the same sum.
+    ``pre_blur`` is the blur of the picture and ``sigma_m`` the one along the flow, in pixels of the size that is worked
+    on. A Gaussian of 1.1 steps leaves less than three thousandths of what is as fine as two of them: samples that far
+    apart have the same sum, as long as their weights change little from one to the next.
     """
-    return 2 if working_scale != "full" and pre_blur >= 2.5 else 1
+    return 1 if working_scale == "full" else int(max(1, min(pre_blur / 1.1, sigma_m / 1.5, 3)))
+
+
+def step_across(working_scale: str, sigma_c: float, pre_blur: float) -> int:
+    """Return the same for the sum across the flow, whose narrower Gaussian is ``sigma_c``: 1 or 2."""
+    return 1 if working_scale == "full" else int(max(1, min(pre_blur / 1.1, sigma_c / 0.9, 2)))
 
 
 def step_of_smoothing(working_scale: str, smooth: float) -> int:

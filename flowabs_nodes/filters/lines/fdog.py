@@ -18,7 +18,14 @@ from flowabs_nodes.filters.lines.dog_line import across
 from flowabs_nodes.filters.lines.evidence import stretch, weakened
 from flowabs_nodes.filters.lines.soft_edges import SoftEdges
 from flowabs_nodes.filters.lines.thin_lines import ThinLines
-from flowabs_nodes.filters.working_scale import READ_TWICE, evidence_factor, lines_factor, shortened_blur, step_along
+from flowabs_nodes.filters.working_scale import (
+    READ_TWICE,
+    evidence_factor,
+    lines_factor,
+    shortened_blur,
+    step_across,
+    step_along,
+)
 from flowabs_nodes.sampling.exact_sums import exact_sum
 from flowabs_nodes.sampling.resolution import enlarged, reduced
 from flowabs_nodes.simd.bands import limited, over_rows
@@ -169,9 +176,11 @@ class Detector:
         rho = validate.number("rho", rho, min=0, max=2)
         factor = lines_factor(working_scale, sigma_c, passes, pre_blur)
         inner, outer = (shortened_blur(s, factor, READ_TWICE) for s in (sigma_c, gaussian.SURROUND * sigma_c))
+        apart = step_along(working_scale, sigma_m / factor, pre_blur / factor)
+        apart_across = step_across(working_scale, sigma_c / factor, pre_blur / factor)
         return cls(
-            weights=gaussian.every(step_along(working_scale, pre_blur / factor), gaussian.half(sigma_m / factor)),
-            taps=gaussian.difference(inner, rho, outer),
+            weights=gaussian.every(apart, gaussian.half(sigma_m / factor)),
+            taps=gaussian.difference(inner, rho, outer, apart_across),
             color_weight=validate.number("color_weight", color_weight, min=0, max=1e6),
             full=validate.choice("kernel", kernel, FDOG_KERNELS) == "full",
             sampling=validate.choice("sampling", sampling, SAMPLINGS),
