@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 #: An encoding, "lab" or "acescct", and the ground behind the picture; None for the colours of rgb / A.
 Encoding = tuple[str, float | None]
 
+_AT_ONCE = 2**17  # pixels that are decoded at once where the picture as a whole never is
+
 
 @dataclass
 class _Made:
@@ -182,7 +184,7 @@ class Encodings:
 
         try:
             with self.decoding(image):
-                over_rows(band, height)
+                over_rows(band, height, most=max(1, _AT_ONCE // width))
         except ArgumentError:
             return encode(self.pixels(image))  # counts and places what is wrong in the whole picture
         return mark_finite(colors), mark_finite(lightness)

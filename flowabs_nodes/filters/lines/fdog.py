@@ -13,7 +13,7 @@ from flowabs_nodes.array_types import Array, Float64
 from flowabs_nodes.choices import FDOG_KERNELS, SAMPLINGS
 from flowabs_nodes.filters import gaussian, validate
 from flowabs_nodes.filters.flow.flow_blur import along, as_planes
-from flowabs_nodes.filters.flow.flow_resolution import reduced_flow
+from flowabs_nodes.filters.flow.flow_resolution import Flows, reduced_flow
 from flowabs_nodes.filters.lines.dog_line import across
 from flowabs_nodes.filters.lines.evidence import stretch, weakened
 from flowabs_nodes.filters.lines.soft_edges import SoftEdges
@@ -132,11 +132,11 @@ def fdog(
         factor=detector.factor,
     )
     thin = ThinLines.checked(thin_lines, sigma_c=sigma_c, rho=rho, working_scale=working_scale, factor=detector.factor)
-    planes, small_flow = detector.reduced(code, flow)
-    missing = None if soft is None else soft.missing(planes, small_flow)
+    planes, flows = detector.reduced(code, flow)
+    missing = None if soft is None else soft.missing(planes, flows)
     if thin is not None:
-        missing = thin.added(missing, planes, small_flow)
-    return detector.response(planes, small_flow, code.shape[:2], missing, evidence)
+        missing = thin.added(missing, planes, flows)
+    return detector.response(planes, flows, code.shape[:2], missing, evidence)
 
 
 @dataclass(frozen=True)
@@ -190,24 +190,25 @@ class Detector:
             evidence_factor=max(factor, evidence_factor(working_scale, sigma_c, pre_blur)),
         )
 
-    def reduced(self, code: Array, flow: Array) -> tuple[Array, Array]:
+    def reduced(self, code: Array, flow: Array) -> tuple[Array, Flows]:
         """Return the planes (C, h, w) of the channels that count, and the flow, both of the size that is worked on."""
         counts = code if self.color_weight > 0 or code.ndim == 2 else code[..., 0]
-        return as_planes(reduced(counts, self.factor)), reduced_flow(flow, self.factor)
+        return as_planes(reduced(counts, self.factor)), Flows(reduced_flow(flow, self.factor))
 
     def response(
         self,
         planes: Array,
-        flow: Array,
+        flows: Flows,
         size: tuple[int, ...],
         missing: Array | None = None,
         evidence: float = 0.0,
     ) -> Array:
-        """Return H, (H, W), of planes (C, h, w) of code values and a flow of the size that is worked on.
+        """Return H, (H, W), of planes (C, h, w) of code values and the flow of the size that is worked on.
 
         ``size`` is H and W: those of the planes, or of the full picture, to which H is brought up. ``missing``, (C, h,
         w), is added to the sums across the flow.
         """
+        flow = flows.reduced(1)
         if self.full:
             responses = exact_sum(planes, flow, self.taps, self.weights, self.sampling)  # eq. 6
             if missing is not None:
@@ -227,7 +228,7 @@ class Detector:
         if at_work:
             del responses  # whose memory serves what follows
         if evidence > 0:
-            found = stretch(joined, flow, self.sigma_m, self.evidence_factor // self.factor)
+            found = stretch(joined, flows, self.sigma_m, self.evidence_factor // self.factor)
         response = np.empty(size, np.float32)
 
         def band(first: int, last: int) -> None:
