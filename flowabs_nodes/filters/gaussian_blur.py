@@ -54,8 +54,8 @@ class RowsShape(NamedTuple):
 def separable(image: Array, weights: Float64, result: Array | None = None) -> Array:
     """Return the weighted sum over rows, then columns, of (H, W) or (H, W, C) float32; summed in float64.
 
-    ``weights`` are those of the offsets 0, 1 .. to either side. Where a ``result`` is given, C-contiguous float32 of the
-    same shape, the sum is written there.
+    ``weights`` are those of the offsets 0, 1 .. to either side. The sum is written to ``result`` where that is given,
+    C-contiguous float32 of the same shape.
     """
     height, width = image.shape[:2]
     rows = image.reshape(height, -1)

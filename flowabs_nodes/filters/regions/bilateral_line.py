@@ -22,7 +22,15 @@ from flowabs_nodes.filters.regions.range_weights import (
     weight_exponents,
 )
 from flowabs_nodes.sampling.coords import Raster, padded_rows
-from flowabs_nodes.sampling.samples import PREFETCH_AHEAD, locate, locate_both_sides, new_sample_coords, prefetch_rows, row_below, sample
+from flowabs_nodes.sampling.samples import (
+    PREFETCH_AHEAD,
+    locate,
+    locate_both_sides,
+    new_sample_coords,
+    prefetch_rows,
+    row_below,
+    sample,
+)
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import kernel
 from flowabs_nodes.simd.lanes import LANES, to_doubles
