@@ -217,7 +217,7 @@ class Detector:
             sums = across(planes, flow, self.taps)  # eq. 10
             del planes
             if missing is not None:
-                sums += missing
+                _add(sums, missing)
             responses = along(sums, flow, self.weights, self.sampling)  # eq. 11
             del sums
         at_work = size == responses.shape[1:]
@@ -255,6 +255,15 @@ class Detector:
         rule = ColorRule(len(responses) > 1, np.float32(self.color_weight), self.color_sign)
         over_pixels(_join_channels, joined.size, *channels, rule, joined)
         return as_picture(joined, *responses.shape[1:])
+
+
+def _add(sums: Array, missing: Array) -> None:
+    """Add planes (C, H, W) to others, by all threads."""
+
+    def band(first: int, last: int) -> None:
+        sums[:, first:last] += missing[:, first:last]
+
+    over_rows(band, sums.shape[1])
 
 
 class ColorRule(NamedTuple):
