@@ -71,9 +71,9 @@ def soft_edges_factor(working_scale: str, t: float) -> int:
 def thin_lines_factor(working_scale: str, thin_lines: float, sigma_c: float, pre_blur: float) -> int:
     """Return the factor of looking for bright lines of up to ``thin_lines`` pixels; 0 looks for none.
 
-    What becomes of them is as smooth as the Gaussians before the response together, whatever the factor.
+    What becomes of them is as smooth as the Gaussians before the response together.
     """
-    return _factor(working_scale, (thin_lines, 3.5), (math.hypot(sigma_c, pre_blur), 1.4), power=1)
+    return _factor(working_scale, (thin_lines, 3.5), (math.hypot(sigma_c, pre_blur), 1.4))
 
 
 def evidence_factor(working_scale: str, sigma_c: float, pre_blur: float) -> int:
@@ -94,17 +94,17 @@ def guidance_factor(working_scale: str, sigma_s: float) -> int:
     return _factor(working_scale, (sigma_s, 4.0))
 
 
-def _factor(working_scale: str, *lengths: tuple[float, float], power: int = 2) -> int:
+def _factor(working_scale: str, *lengths: tuple[float, float]) -> int:
     """Return the factor that ``working_scale`` says; of "auto" the largest at which no length is below its limit.
 
     Limits are in pixels of a picture reduced by 2. By 4 what is fine at full size gets lost as well, unless lengths are
-    twice as long there too, but for ``power`` 1.
+    twice as long there too.
     """
     from flowabs_nodes.filters import validate  # what numba compiles is not imported for a declaration
 
     if validate.choice("working_scale", working_scale, WORKING_SCALES) != "auto":
         return _FACTORS[working_scale]
-    fitting = (each for each in (4, 2) if all(length >= 2 * limit * (each / 2) ** power for length, limit in lengths))
+    fitting = (each for each in (4, 2) if all(length >= limit * each**2 / 2 for length, limit in lengths))
     return next(fitting, 1)
 
 

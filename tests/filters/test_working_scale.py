@@ -105,7 +105,7 @@ def test_auto_keeps_ink_wider_than_a_pixel_where_evidence_is_looked_for(factor, 
 
 @pytest.mark.parametrize(
     ("factor", "width", "sigma_c", "pre_blur"),
-    [(1, 6.9, 2, 3.4), (2, 7, 2, 3.4), (2, 13.9, 4, 6.8), (4, 14, 4, 6.8), (1, 20, 2.7, 0), (2, 20, 5.5, 0)],
+    [(1, 6.9, 2, 3.4), (2, 7, 2, 3.4), (2, 16, 4, 6.8), (4, 28, 7, 9), (1, 20, 2.7, 0), (2, 20, 5.5, 0)],
 )
 def test_auto_keeps_thin_bright_lines_wide_enough(factor, width, sigma_c, pre_blur):
     assert thin_lines_factor("auto", width, sigma_c, pre_blur) == factor
