@@ -59,8 +59,9 @@ def fdog_iterative(
         measured once, in the picture without ink, and added in each pass. For the ``working_scale`` "auto" and more
         than one pass 1/2 must also leave ``sigma_c`` and ``pre_blur`` 2.8 pixels together (the root of the sum of their
         squares), 1/4 twice as much. Evidence is looked for at 1/2 where they are 2.8 pixels together. Unless "full",
-        responses are summed over every other pixel of the streamline where ``pre_blur`` is at least 2.5 pixels of the
-        size that is worked on.
+        responses are summed over some of the samples alone where ``pre_blur`` leaves nothing finer: of the streamline
+        over every second or third pixel, of the gradient axis over every second (:func:`step_along
+        <flowabs_nodes.filters.working_scale.step_along>` and its neighbour).
     tau, contrast, softness
         As the parameters of :func:`~flowabs_nodes.filters.threshold`.
     iterations
