@@ -12,13 +12,14 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from contextvars import ContextVar
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from flowabs_nodes.array_types import Array
-from flowabs_nodes.errors import FlowabsError
+from flowabs_nodes.errors import ArgumentError, FlowabsError
 from flowabs_nodes.simd.read_only import read_only
 
 if TYPE_CHECKING:
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
 
 #: An encoding, "lab" or "acescct", and the ground behind the picture; None for the colours of rgb / A.
 Encoding = tuple[str, float | None]
+
+_AT_ONCE = 2**17  # pixels that are decoded at once where the picture as a whole never is
 
 
 @dataclass
@@ -123,6 +126,12 @@ class Encodings:
                 self._encode(image, encoding, codes=encoding[1] is None and space in made.expected)
         return _handed_out(made, made.lightness[encoding])
 
+    def opponent(self, image: Image, space: str, ground: float | None) -> Array:
+        """Return lightness and two channels of colour (H, W, 3): L*, a*, b*, or in acescct red and blue less it."""
+        from flowabs_nodes.color.codes import OPPONENT
+
+        return self.codes(image, space if space == "lab" else OPPONENT, ground)
+
     def _ground(self, image: Image, ground: float | None) -> float | None:
         """Return the ground that shows behind an image: None behind an opaque one."""
         return None if ground is None or self.alpha(image) is None else ground
@@ -133,13 +142,52 @@ class Encodings:
 
         made, (space, ground) = self._of(image), encoding
         codes = codes and encoding not in made.codes
-        behind = BARE if ground is None else ground
-        colors, lightness = encoded(self.pixels(image), space, image.colorspace, ground=behind, codes=codes, mono=mono)
+        encode = partial(
+            encoded,
+            space=space,
+            colorspace=image.colorspace,
+            ground=BARE if ground is None else ground,
+            codes=codes,
+            mono=mono,
+        )
+        if image.deferred is None or made.kept or made.pixels is not None:
+            colors, lightness = encode(self.pixels(image))
+        else:
+            colors, lightness = self._encoded_in_bands(image, encode, codes, mono)
         if codes:
             made.codes[encoding] = read_only(colors)
         if mono:
             made.lightness[encoding] = read_only(lightness)
         self.let_go(image)
+
+    def _encoded_in_bands(
+        self, image: Image, encode: Callable[[Array], tuple[Array, Array]], codes: bool, mono: bool
+    ) -> tuple[Array, Array]:
+        """Return what ``encode`` makes of an image's pixels, of which there are never more than some rows at a time."""
+        from flowabs_nodes.simd.bands import limited, over_rows
+        from flowabs_nodes.simd.known_finite import mark_finite
+
+        source = image.deferred
+        assert source is not None
+        height, width, _ = source.shape
+        colors = np.empty((height, width, 3) if codes else (0, 0, 3), np.float32)
+        lightness = np.empty((height, width) if mono else (0, 0), np.float32)
+
+        def band(first: int, last: int) -> None:
+            """Encode the rows ``first`` .. ``last`` - 1."""
+            with limited(1):  # the bands are what threads share
+                made, grey = encode(source.decode_rows(first, last, image.colorspace))
+                if codes:
+                    colors[first:last] = made
+                if mono:
+                    lightness[first:last] = grey
+
+        try:
+            with self.decoding(image):
+                over_rows(band, height, most=max(1, _AT_ONCE // width))
+        except ArgumentError:
+            return encode(self.pixels(image))  # counts and places what is wrong in the whole picture
+        return mark_finite(colors), mark_finite(lightness)
 
     def _of(self, image: Image) -> _Made:
         """Return what has been computed from an image."""

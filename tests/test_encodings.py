@@ -9,7 +9,9 @@ import pytest
 from flowabs_nodes.color import codes as color_codes
 from flowabs_nodes.color.codes import Codes
 from flowabs_nodes.encodings import Encodings, remember_encodings
-from flowabs_nodes.errors import FlowabsError
+from flowabs_nodes.errors import ArgumentError, FlowabsError
+from flowabs_nodes.finishing.deferred import with_operation
+from flowabs_nodes.finishing.operations import OnRows, Quantize
 from flowabs_nodes.image import Image
 from tests.engine.fakes import picture
 
@@ -159,3 +161,59 @@ def test_who_encodes_for_the_last_time_leaves_no_decoded_pixels(encodings, conve
     np.testing.assert_array_equal(other.encoded("acescct"), codes)
     assert other.pixels is not None
     assert conversions[-2:] == ["decoded", "encoded"], "kept: decoded once"
+
+
+def darken(rows, first_row):
+    """Halve the light of rows, in place, the less the farther down they are."""
+    rows[..., :3] *= (1 - 0.5 / (1 + np.arange(first_row, first_row + len(rows), dtype=np.float32)))[:, None, None]
+
+
+DARKEN = OnRows(darken)
+
+
+@pytest.mark.parametrize("alpha", [False, True], ids=["opaque", "alpha"])
+@pytest.mark.parametrize("operations", [(), (DARKEN,), (Quantize(4, 0.3), DARKEN, Quantize(6, 0.0))])
+def test_pixels_that_nobody_keeps_are_encoded_in_bands_to_the_same_bits(encodings, operations, alpha, monkeypatch):
+    monkeypatch.setattr("flowabs_nodes.encodings._AT_ONCE", 64)
+    image = picture(width=40, height=70, alpha=alpha)
+
+    def made():
+        smooth = image.with_codes(image.encoded("lab"), "lab")
+        for operation in operations:
+            smooth = with_operation(smooth, operation)
+        return smooth
+
+    for space in ("lab", "acescct"):
+        whole = made()
+        for ask in (
+            lambda it, space=space: it.encoded(space, ground=0.5),
+            lambda it, space=space: it.encoded_mono(space, ground=0.5),
+            lambda it, space=space: it.encoded_opponent(space, ground=0.5),
+        ):
+            apart = made()
+            encodings.keep(apart, False)
+            np.testing.assert_array_equal(ask(apart), ask(whole))
+
+
+def test_pixels_that_are_not_finite_are_counted_in_the_whole_picture(encodings):
+    image = picture(width=40, height=70)
+
+    def spoil(rows, first_row):
+        rows[0] = np.inf
+
+    spoilt = with_operation(image.with_codes(image.encoded("lab"), "lab"), spoil, "spoiler")
+    with pytest.raises(ArgumentError) as whole:
+        spoilt.encoded("acescct")
+    encodings.keep(spoilt, False)
+    with pytest.raises(ArgumentError) as apart:
+        spoilt.encoded("acescct")
+    assert "Inf" in str(whole.value)
+    assert str(apart.value) == str(whole.value)
+
+
+def test_opponent_channels_are_lightness_and_what_red_and_blue_have_beside_it(encodings):
+    image = picture(alpha=True)
+    codes, mono = image.encoded("acescct", ground=1.0), image.encoded_mono("acescct", ground=1.0)
+    opponent = image.encoded_opponent("acescct", ground=1.0)
+    np.testing.assert_array_equal(opponent, np.stack([mono, codes[..., 0] - mono, codes[..., 2] - mono], 2))
+    assert image.encoded_opponent("lab", ground=1.0) is image.encoded("lab", ground=1.0)

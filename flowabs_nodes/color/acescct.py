@@ -51,25 +51,38 @@ def _linear(code: Any) -> Any:
 
 @kernel
 def encode(
-    first: int, last: int, pixels: Array, channels: int, ground: float, to_ap1: ToAp1, codes: Array, mono: Array
+    first: int,
+    last: int,
+    pixels: Array,
+    channels: int,
+    ground: float,
+    to_ap1: ToAp1,
+    opponent: bool,
+    codes: Array,
+    mono: Array,
 ) -> Any:
     """Encode a picture over its ground: its AP1 channels to ``codes``, its AP1 luminance to ``mono``.
 
     ``pixels`` is (pixels x channels,) scene-linear; ``ground`` is what
-    :func:`~flowabs_nodes.simd.premultiplied.load_rgb_over_ground` takes.
+    :func:`~flowabs_nodes.simd.premultiplied.load_rgb_over_ground` takes. With ``opponent``, the luminance goes to
+    ``codes`` as well, with red and blue less it in place of the channels.
     """
     total, count = splat_floats(0.0), pixels.size // channels
     for block in range(first, last):
         i = first_pixel(block, count)
         r, g, b = load_rgb_over_ground(pixels, channels, ground, i)
         total = total + zero_or_nan(r + (g + b))
-        if mono.size > 0:
+        lightness = splat_floats(0.0)
+        if mono.size > 0 or opponent:
             lightness = _code(mix_second_row(to_ap1.luminance, r, g, b))
             total = total + zero_if_summable(lightness)
+        if mono.size > 0:
             store(mono, i, lightness)
         if codes.size > 0:
             r, g, b = mix(to_ap1.channels, r, g, b)
             r, g, b = _code(r), _code(g), _code(b)
+            if opponent:
+                r, g, b = lightness, r - lightness, b - lightness
             total = total + zero_if_summable(r + (g + b))
             store_triples(codes, 3 * i, (r, g, b))
     return any_nan(total)

@@ -26,6 +26,7 @@ from flowabs_nodes.simd.pixelwise import as_picture, as_run, empty_run, over_pix
 from flowabs_nodes.simd.premultiplied import TINY
 
 NOTHING = np.empty(0, np.float32)  # the run of pixels of a picture that there is not
+OPPONENT = "acescct, opponent"  # the encoding of :func:`encoded` whose channels are lightness, red and blue less it
 BARE = -1.0  # the "ground" that stands for none: colours are divided by their alpha
 
 
@@ -96,9 +97,10 @@ def encoded(
 ) -> tuple[Array, Array]:
     """Return the code values (H, W, 3) of a picture and of its lightness (H, W), float32, from one pass.
 
-    ``pixels`` is (H, W, 3), or premultiplied (H, W, 4): then rgb + (1 - A) ``ground`` is encoded, or rgb / A with the
-    ground ``BARE``. With ``codes`` or ``mono`` False, the result not asked for has no pixels. ArgumentError for pixels
-    that are not finite, or that are not once divided by alpha.
+    ``space`` is "lab", "acescct" or ``OPPONENT``: lightness in acescct, red less it, blue less it. ``pixels`` is (H, W,
+    3), or premultiplied (H, W, 4): then rgb + (1 - A) ``ground`` is encoded, or rgb / A with the ground ``BARE``. With
+    ``codes`` or ``mono`` False, the result not asked for has no pixels. ArgumentError for pixels that are not finite,
+    or that are not once divided by alpha.
     """
     height, width, channels = pixels.shape
     run = as_run(pixels, channels)
@@ -108,8 +110,8 @@ def encoded(
     if space == "lab":
         bad = over_pixels(lab.encode, count, run, channels, float(ground), forward, colors, lightness)
     else:
-        matrix_pair = acescct.ToAp1(forward, to_luminance)
-        bad = over_pixels(acescct.encode, count, run, channels, float(ground), matrix_pair, colors, lightness)
+        matrix_pair, opponent = acescct.ToAp1(forward, to_luminance), space == OPPONENT
+        bad = over_pixels(acescct.encode, count, run, channels, float(ground), matrix_pair, opponent, colors, lightness)
     colors = as_picture(colors, *((height, width) if codes else (0, 0)), 3)
     lightness = as_picture(lightness, *((height, width) if mono else (0, 0)))
     if any(bad):
@@ -159,6 +161,11 @@ class Codes:
     def codes(self) -> Codes:
         """Return this object itself, as a ``PixelSource`` (image.py) that only has to be decoded."""
         return self
+
+    def decode_rows(self, first: int, last: int, colorspace: ColorSpace) -> Array:
+        """Return the rows ``first`` .. ``last`` - 1 of :meth:`decode`."""
+        under = None if self.under is None else self.under[first:last]
+        return Codes(self.values[first:last], self.space, under).decode(colorspace)
 
     def decode(self, colorspace: ColorSpace) -> Array:
         """Return the scene-linear picture (H, W, 3), or premultiplied (H, W, 4) with the alpha of ``under``.

@@ -29,15 +29,18 @@ def half(sigma: float, steps: int | None = None) -> Float64:
 
 
 def every(step: int, weights: Float64) -> Float64:
-    """Return one side's weights with those of the offsets 0, step, 2 step .. alone, which sum to 1 again on both sides.
+    """Return one side's weights with those of the offsets 0, step, 2 step .. alone.
 
-    Of what is smoother than ``step`` they make the same sum.
+    They sum to 1 on both sides and have the variance of ``weights``: of what is smoother than ``step`` they make the
+    same sum.
     """
     if step == 1:
         return weights
-    kept = np.where(np.arange(weights.size) % step == 0, weights, 0)
-    both = 2 * float(kept.sum()) - float(kept[0])
-    return kept / both
+    offsets = np.arange(weights.size)
+    kept = np.where(offsets % step == 0, weights, 0)
+    kept *= (weights * offsets**2).sum() / max(float((kept * offsets**2).sum()), 1e-30)
+    kept[0] = 1 - 2 * float(kept[1:].sum())  # the centre, counted once
+    return kept
 
 
 #: sigma_s / sigma_c in eq. 8: at 1.6 the difference of Gaussians is close to a Laplacian of Gaussian (Marr, Hildreth).
@@ -47,9 +50,12 @@ SURROUND = 1.6
 LONGER = 3
 
 
-def difference(sigma_c: float, rho: float, sigma_s: float | None = None) -> Float64:
-    """Return one side of f (eq. 8): G(sigma_c) - rho G(sigma_s), both over ceil(3 sigma_s) steps."""
-    inner, outer = centre_and_surround(sigma_c, sigma_s)
+def difference(sigma_c: float, rho: float, sigma_s: float | None = None, step: int = 1) -> Float64:
+    """Return one side of f (eq. 8): G(sigma_c) - rho G(sigma_s), both over ceil(3 sigma_s) steps.
+
+    With ``step`` only at the offsets 0, step, 2 step .., as :func:`every` has it.
+    """
+    inner, outer = (every(step, side) for side in centre_and_surround(sigma_c, sigma_s))
     return inner - rho * outer  # eq. 8
 
 

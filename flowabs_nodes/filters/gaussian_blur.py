@@ -51,20 +51,28 @@ class RowsShape(NamedTuple):
     stride: int  # items from one row to the next, at least sixteen
 
 
-def separable(image: Array, weights: Float64) -> Array:
+def separable(image: Array, weights: Float64, result: Array | None = None) -> Array:
     """Return the weighted sum over rows, then columns, of (H, W) or (H, W, C) float32; summed in float64.
 
-    ``weights`` are those of the offsets 0, 1 .. to either side.
+    ``weights`` are those of the offsets 0, 1 .. to either side. The sum is written to ``result`` where that is given,
+    C-contiguous float32 of the same shape.
     """
     height, width = image.shape[:2]
     rows = image.reshape(height, -1)
     channels = rows.shape[1] // width
     if rows.shape[1] < LANES:  # the padding is cut off again
         rows = np.pad(rows, ((0, 0), (0, LANES - rows.shape[1])))
-    blurred = np.empty_like(rows)
+    wide_enough = rows.shape[1] == width * channels
+    blurred = np.empty_like(rows) if result is None or not wide_enough else result.reshape(height, -1)
     shape = RowsShape(height, width, channels, rows.shape[1])
     over_rows(_blur, height, rows.reshape(-1), shape, weights, blurred.reshape(-1))
-    return np.ascontiguousarray(blurred[:, : width * channels]).reshape(image.shape)
+    if wide_enough:
+        return blurred.reshape(image.shape)
+    narrow = np.ascontiguousarray(blurred[:, : width * channels]).reshape(image.shape)
+    if result is None:
+        return narrow
+    result[:] = narrow
+    return result
 
 
 @kernel

@@ -43,13 +43,19 @@ def lines_factor(working_scale: str, sigma_c: float, passes: int = 1, pre_blur: 
     return _factor(working_scale, (sigma_c, 2.0), (together, 2.8))
 
 
-def step_along(working_scale: str, pre_blur: float) -> int:
-    """Return how many steps along the flow lie between the samples that responses are summed of: 1, or 2.
+def step_along(working_scale: str, sigma_m: float, pre_blur: float) -> int:
+    """Return how many steps along the flow lie between the samples that responses are summed of: 1, 2 or 3.
 
-    ``pre_blur`` is the blur of the picture in pixels of the size that is worked on. A Gaussian of 2.5 leaves less than
-    a thousandth of what is as fine as four pixels: samples at every other pixel have the same sum.
+    ``pre_blur`` is the blur of the picture and ``sigma_m`` the one along the flow, in pixels of the size that is worked
+    on. A Gaussian of 1.1 steps leaves less than three thousandths of what is as fine as two of them: samples that far
+    apart have the same sum, as long as their weights change little from one to the next.
     """
-    return 2 if working_scale != "full" and pre_blur >= 2.5 else 1
+    return 1 if working_scale == "full" else int(max(1, min(pre_blur / 1.1, sigma_m / 1.5, 3)))
+
+
+def step_across(working_scale: str, sigma_c: float, pre_blur: float) -> int:
+    """Return the same for the sum across the flow, whose narrower Gaussian is ``sigma_c``: 1 or 2."""
+    return 1 if working_scale == "full" else int(max(1, min(pre_blur / 1.1, sigma_c / 0.9, 2)))
 
 
 def step_of_smoothing(working_scale: str, smooth: float) -> int:
@@ -65,9 +71,9 @@ def soft_edges_factor(working_scale: str, t: float) -> int:
 def thin_lines_factor(working_scale: str, thin_lines: float, sigma_c: float, pre_blur: float) -> int:
     """Return the factor of looking for bright lines of up to ``thin_lines`` pixels; 0 looks for none.
 
-    What becomes of them is as smooth as the Gaussians before the response together, whatever the factor.
+    What becomes of them is as smooth as the Gaussians before the response together.
     """
-    return _factor(working_scale, (thin_lines, 3.5), (math.hypot(sigma_c, pre_blur), 1.4), power=1)
+    return _factor(working_scale, (thin_lines, 3.5), (math.hypot(sigma_c, pre_blur), 1.4))
 
 
 def evidence_factor(working_scale: str, sigma_c: float, pre_blur: float) -> int:
@@ -88,17 +94,17 @@ def guidance_factor(working_scale: str, sigma_s: float) -> int:
     return _factor(working_scale, (sigma_s, 4.0))
 
 
-def _factor(working_scale: str, *lengths: tuple[float, float], power: int = 2) -> int:
+def _factor(working_scale: str, *lengths: tuple[float, float]) -> int:
     """Return the factor that ``working_scale`` says; of "auto" the largest at which no length is below its limit.
 
     Limits are in pixels of a picture reduced by 2. By 4 what is fine at full size gets lost as well, unless lengths are
-    twice as long there too, but for ``power`` 1.
+    twice as long there too.
     """
     from flowabs_nodes.filters import validate  # what numba compiles is not imported for a declaration
 
     if validate.choice("working_scale", working_scale, WORKING_SCALES) != "auto":
         return _FACTORS[working_scale]
-    fitting = (each for each in (4, 2) if all(length >= 2 * limit * (each / 2) ** power for length, limit in lengths))
+    fitting = (each for each in (4, 2) if all(length >= limit * each**2 / 2 for length, limit in lengths))
     return next(fitting, 1)
 
 

@@ -37,6 +37,12 @@ class Deferred:
 
         return finish(self.codes, self.operations, colorspace)
 
+    def decode_rows(self, first: int, last: int, colorspace: ColorSpace) -> Array:
+        """Return the rows ``first`` .. ``last`` - 1 of :meth:`decode`."""
+        from flowabs_nodes.finishing.finish import finish_rows
+
+        return finish_rows(self.codes, self.operations, colorspace, first, last)
+
 
 def with_operation(image: Image, operation: Quantize | Ink | RowsFunction, node: str = "") -> Image:
     """Return a color image with one more operation on each of its pixels, after those that are noted down already.

@@ -35,13 +35,17 @@ def in_bands(
     def band(first: int, last: int) -> None:
         """Compute the rows ``first`` .. ``last`` - 1."""
         with limited(1):  # the bands are what threads share
-            rows = begin(first, last)
-            for operation in operations:
-                rows = _done(operation, rows, first, colorspace)
-            pixels[first:last] = rows
+            pixels[first:last] = done(operations, begin(first, last), first, colorspace)
 
     over_rows(band, shape[0])
     return pixels
+
+
+def done(operations: tuple[Operation, ...], rows: Array, first: int, colorspace: ColorSpace) -> Array:
+    """Return ``rows`` of a picture, the first of which has the number ``first``, after ``operations``."""
+    for operation in operations:
+        rows = _done(operation, rows, first, colorspace)
+    return rows
 
 
 def _done(operation: Operation, rows: Array, first: int, colorspace: ColorSpace) -> Array:

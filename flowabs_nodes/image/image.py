@@ -41,7 +41,7 @@ class Image(Exchange):
     pixels
         (H, W, C) float32, of ids uint32: scene-linear premultiplied for color, unconverted for all other types.
 
-    Decoded ``pixels``, ``alpha`` and what :meth:`encoded` and :meth:`encoded_mono` return are computed once in an
+    Decoded ``pixels``, ``alpha`` and what :meth:`encoded` and its neighbours return are computed once in an
     evaluation of a graph, and each time that they are asked for outside of one
     (:mod:`~flowabs_nodes.encodings`).
     """
@@ -181,6 +181,14 @@ class Image(Exchange):
         """
         self._needs_color("encoded_mono")
         return encodings.current().mono(self, space, ground)
+
+    def encoded_opponent(self, space: str = "lab", *, ground: float | None = None) -> Array:
+        """Return lightness as :meth:`encoded_mono` does, and two channels of colour, (H, W, 3) float32, read-only.
+
+        They are a* and b* (lab), or red and blue less lightness (acescct). ``ground`` is as in :meth:`encoded`.
+        """
+        self._needs_color("encoded_opponent")
+        return encodings.current().opponent(self, space, ground)
 
     def _needs_color(self, what: str) -> None:
         """Raise ArgumentError if the image has no code values."""

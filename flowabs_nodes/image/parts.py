@@ -41,6 +41,9 @@ class PixelSource(Protocol):
     def decode(self, colorspace: ColorSpace) -> Array:
         """Return the pixels, (H, W, 3), or premultiplied (H, W, 4), scene-linear in ``colorspace``."""
 
+    def decode_rows(self, first: int, last: int, colorspace: ColorSpace) -> Array:
+        """Return the rows ``first`` .. ``last`` - 1 of the pixels, in memory that nobody else has."""
+
 
 @dataclass(frozen=True)
 class Origin:

@@ -48,11 +48,7 @@ def code_values(image: Image, space: str, ground: float, color_weight: float) ->
     """
     if color_weight == 0:
         return image.encoded_mono(space, ground=ground)
-    codes = image.encoded(space, ground=ground)
-    if space == "lab":
-        return codes
-    lightness = image.encoded_mono(space, ground=ground)
-    return np.stack([lightness, codes[..., 0] - lightness, codes[..., 2] - lightness], axis=2)
+    return image.encoded_opponent(space, ground=ground)
 
 
 def draw(

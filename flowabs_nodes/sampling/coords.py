@@ -65,7 +65,19 @@ def padded_rows(picture: npt.NDArray[Any], raster: Raster) -> npt.NDArray[Any]:
 def nearest_pixels(dx: Doubles, dy: Doubles, x: int, y: int, raster: Raster) -> tuple[Ints, Ints]:
     """Return column and row of the pixel nearest to each point (dx, dy) away from the pixels x .. x + 15 of row y."""
     columns, rows = round_to_ints(dx) + (lane_indices() + x), round_to_ints(dy) + y
-    return minimum(maximum(columns, 0), raster.width - 1), minimum(maximum(rows, 0), raster.height - 1)
+    return clamped_columns(columns, raster), clamped_rows(rows, raster)
+
+
+@inlined
+def clamped_columns(columns: Ints, raster: Raster) -> Ints:
+    """Return columns, clamped to the picture."""
+    return minimum(maximum(columns, 0), raster.width - 1)
+
+
+@inlined
+def clamped_rows(rows: Ints, raster: Raster) -> Ints:
+    """Return rows, clamped to the picture."""
+    return minimum(maximum(rows, 0), raster.height - 1)
 
 
 @inlined

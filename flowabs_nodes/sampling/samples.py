@@ -15,9 +15,9 @@ from typing import NamedTuple
 import numpy as np
 
 from flowabs_nodes.array_types import Array, Int32
-from flowabs_nodes.sampling.coords import Raster, bilinear_coords, nearest_pixels
+from flowabs_nodes.sampling.coords import Raster, bilinear_coords, clamped_columns, clamped_rows, nearest_pixels
 from flowabs_nodes.simd.jit import inline, inlined
-from flowabs_nodes.simd.lanes import LANES, Doubles, Floats, select
+from flowabs_nodes.simd.lanes import LANES, Doubles, Floats, lane_indices, round_to_ints, select, splat_ints
 from flowabs_nodes.simd.memory import gather_octets, gather_quads, load, prefetch, prefetch_for_write, scratch, store
 from flowabs_nodes.simd.premultiplied import TINY
 
@@ -94,6 +94,19 @@ def locate(
         store(coords.place, at, (corner.y * raster.stride + corner.x) * size)
         store(coords.fx, at, corner.fx)
         store(coords.fy, at, corner.fy)
+
+
+@inlined
+def locate_both_sides(
+    coords: SampleCoords, at: int, offset: tuple[Doubles, Doubles], x: int, y: int, raster: Raster, size: int
+) -> None:
+    """Write where the nearest pixels to the points ``offset`` away are, and after them those to the opposite points."""
+    columns, rows = round_to_ints(offset[0]), round_to_ints(offset[1])  # of the opposite point they are the negative
+    column, row = lane_indices() + x, splat_ints(y)
+    place = clamped_rows(row + rows, raster) * raster.stride + clamped_columns(column + columns, raster)
+    other = clamped_rows(row - rows, raster) * raster.stride + clamped_columns(column - columns, raster)
+    store(coords.place, at, place * size)
+    store(coords.place, at + LANES, other * size)
 
 
 @inlined

@@ -57,11 +57,28 @@ def test_a_difference_of_gaussians_keeps_1_minus_rho_of_a_constant(rho):
     assert whole(taps).sum() == pytest.approx(1 - rho, abs=1e-14)
 
 
-def test_every_other_weight_sums_to_one_and_keeps_the_variance():
-    whole = gaussian.half(4.0)
-    some = gaussian.every(2, whole)
-    assert not some[1::2].any()
+@pytest.mark.parametrize("step", [2, 3])
+def test_some_weights_alone_sum_to_one_and_keep_the_variance(step):
+    every_one = gaussian.half(4.0)
+    some = gaussian.every(step, every_one)
+    kept = np.arange(every_one.size) % step == 0
+    assert (some[kept] > 0).all()
+    assert not some[~kept].any()
     assert math.isclose(2 * some.sum() - some[0], 1)
-    squares = np.arange(whole.size) ** 2
-    assert math.isclose(2 * (some * squares).sum(), 2 * (whole * squares).sum(), rel_tol=0.02)
-    assert gaussian.every(1, whole) is whole
+    squares = np.arange(every_one.size) ** 2
+    assert math.isclose((some * squares).sum(), (every_one * squares).sum())
+    np.testing.assert_allclose(some[kept], step * every_one[kept], rtol=0.06)
+    assert gaussian.every(1, every_one) is every_one
+
+
+def test_a_difference_at_some_offsets_keeps_what_it_makes_of_a_constant_and_of_a_parabola():
+    for rho in (0.9, 1.0):
+        taps, some = gaussian.difference(2.0, rho), gaussian.difference(2.0, rho, step=2)
+        assert not some[1::2].any()
+        assert whole(some).sum() == pytest.approx(1 - rho, abs=1e-14)
+        squares = np.arange(taps.size) ** 2
+        assert math.isclose((some * squares).sum(), (taps * squares).sum())
+
+
+def test_a_weight_that_is_alone_has_it_all():
+    np.testing.assert_array_equal(gaussian.every(3, gaussian.half(0.01)), [1, 0])

@@ -62,12 +62,15 @@ def missing(code, flow, reach=7.0, amount=1.0, sigma_c=1.0, rho=0.99, color_weig
 
 
 def _along(planes, flow, sigma):
-    """Blur along the flow, by every n-th sample."""
+    """Blur along the flow, by every n-th sample, their weights of the same sum and variance."""
     steps = int(np.ceil(3 * sigma))
     weights = gaussian(sigma, steps)
     every = max(1, round(sigma / 2))
-    weights[np.abs(np.arange(-steps, steps + 1)) % every > 0] = 0
-    weights /= weights.sum()
+    offsets = np.arange(-steps, steps + 1)
+    variance = (weights * offsets**2).sum()
+    weights[offsets % every > 0] = 0
+    weights *= variance / (weights * offsets**2).sum()
+    weights[steps] += 1 - weights.sum()
     total = weights[steps] * planes
     for way in (1, -1):
         for s, (dx, dy, _) in enumerate(curve(flow, steps, way), 1):

@@ -52,6 +52,10 @@ class Plate:
         return color.encode(self.rgb, "acescct")
 
     @cached_property
+    def opponent(self) -> Array:
+        return self.image().encoded_opponent("acescct")
+
+    @cached_property
     def code(self) -> Array:
         return self.codes[..., 0].copy()
 
@@ -148,6 +152,25 @@ def _finish(plate: Plate) -> object:
     return finish(Codes(plate.codes, "lab"), operations, color.space("lin_rec709"))
 
 
+#: How the graph ``abstraction`` draws at 1080 lines.
+ABSTRACTION: dict[str, Any] = {
+    "sigma_m": 6.0,
+    "sigma_c": 2.0,
+    "rho": 1.0,
+    "color_weight": 1.55,
+    "color_sign": True,
+    "contrast": 0.3,
+    "softness": 2.4,
+    "iterations": 2,
+    "pre_blur": 3.4,
+    "evidence": 1.0,
+    "soft_lines": 0.8,
+    "soft_reach": 14.0,
+    "thin_lines": 8.0,
+    "working_scale": "auto",
+}
+
+
 STAGES: dict[str, Stage] = {
     "encode-lab": _plain(lambda p: color.encode(p.rgb, "lab"), in_p=1),
     "encode-acescct": _plain(lambda p: color.encode(p.rgb, "acescct")),
@@ -158,6 +181,7 @@ STAGES: dict[str, Stage] = {
     "fdog": _plain(lambda p: filters.fdog(p.code, p.flow), in_p=1),
     "fdog-nearest": _plain(lambda p: filters.fdog(p.code, p.flow, sampling="nearest")),
     "fdog-color": _plain(lambda p: filters.fdog(p.codes, p.flow, color_weight=0.5)),
+    "fdog-iterative": _plain(lambda p: filters.fdog_iterative(p.opponent, p.flow, **ABSTRACTION)),
     "threshold": _plain(lambda p: filters.threshold(p.response), in_p=1),
     "flow-blur": _plain(lambda p: filters.flow_blur(p.lines, p.flow)),
     "stroke": _plain(lambda p: filters.stroke(p.lines, p.flow, 20, 12)),
@@ -169,6 +193,7 @@ STAGES: dict[str, Stage] = {
     "composite": _plain(lambda p: filters.composite(p.rgb, p.lines)),
     "decode-lab": _plain(lambda p: color.decode(p.codes, "lab")),
     "decode-acescct": _plain(lambda p: color.decode(p.acescct, "acescct")),
+    "rolling-guidance": _plain(lambda p: filters.rolling_guidance(p.codes, 4.0, iterations=2)),
     "bilateral-full": _plain(lambda p: filters.bilateral(p.codes, iterations=1)),
     "bilateral-xy": _plain(lambda p: filters.bilateral(p.codes, iterations=1, kernel="xy")),
     "aov-lines": _plain(lambda p: filters.aov_lines(**p.shot.passes)),

@@ -33,6 +33,7 @@ from flowabs_nodes.sampling.tile_cache import (
     tile_around,
     tile_capacity,
 )
+from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import LANES
 from flowabs_nodes.simd.memory import gather_pairs, gather_quads, load, load_pairs, scratch, store
@@ -92,7 +93,16 @@ def flow_blur(image: npt.ArrayLike, flow: npt.ArrayLike, sigma: float = 2.0, sam
 
 def as_planes(image: Array) -> Array:
     """Return an image of (H, W) or (H, W, C) as C-contiguous planes, (C, H, W)."""
-    return np.ascontiguousarray(image[None] if image.ndim == 2 else np.moveaxis(image, -1, 0))
+    if image.ndim == 2:
+        return np.ascontiguousarray(image[None])
+    planes = np.empty((image.shape[2], *image.shape[:2]), image.dtype)
+
+    def band(first: int, last: int) -> None:
+        """Lay out the rows ``first`` .. ``last`` - 1."""
+        planes[:, first:last] = np.moveaxis(image[first:last], -1, 0)
+
+    over_rows(band, len(image))
+    return planes
 
 
 def along(planes: Array, flow: Array, weights: npt.NDArray[np.float64], sampling: str) -> Array:

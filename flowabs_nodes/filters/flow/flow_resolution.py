@@ -38,6 +38,22 @@ def reduced_flow(flow: Array, factor: int) -> Array:
     return np.ascontiguousarray(small[:, : size[1]])
 
 
+class Flows:
+    """A flow on the picture that is worked on, and on smaller ones: each is made when it is first asked for, and kept.
+
+    What looks at the same flow at the same size shares one of them.
+    """
+
+    def __init__(self, flow: Array) -> None:
+        self._made = {1: flow}
+
+    def reduced(self, factor: int) -> Array:
+        """Return the :func:`reduced_flow`; for a ``factor`` of 1 the flow itself."""
+        if factor not in self._made:
+            self._made[factor] = reduced_flow(self._made[1], factor)
+        return self._made[factor]
+
+
 @kernel
 def _reduce_flow(first: int, last: int, flow: Complex64, width: int, factor: int, across: int, small: Array) -> None:
     """Write rows ``first`` .. ``last`` - 1 of the mean directions of ``across`` blocks each, as pairs of a row.

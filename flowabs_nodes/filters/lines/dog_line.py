@@ -69,7 +69,7 @@ def _across(
     ``planes`` and ``result`` are (C, H, W) float32, ``flow`` (H, W) complex64, all flattened.
     """
     channels, height, width = shape
-    steps = taps.size - 1
+    steps, apart = taps.size - 1, _steps_apart(taps)
     # Of the points l_x(n) and l_x(-n) of sixteen pixels at up to eight steps: the lattice entry to the upper left of
     # each, and how far (u, v) beyond its entry l_x(n) lies; l_x(-n) lies (1 - u, 1 - v) beyond its own.
     entries, offsets = scratch(np.int32, 16), scratch(np.float32, 16)
@@ -88,16 +88,30 @@ def _across(
                             return False
                         at = (c * height + y) * width + x
                         total = load(planes, at) * taps[0]
-                        for n0 in range(1, steps + 1, _STEPS):
-                            n_end = min(n0 + _STEPS, steps + 1)
-                            for n in range(n0, n_end):
+                        for n0 in range(apart, steps + 1, apart * _STEPS):
+                            located = min((steps - n0) // apart + 1, _STEPS)
+                            for k in range(located):
+                                n = n0 + k * apart
                                 dx, dy = ty * np.float32(n), tx * np.float32(-n)
-                                locate_both_sides(dx, dy, x, y, around, entries, offsets, n - n0)
-                            for n in range(n0, n_end):
-                                samples = _sample_both_sides(lattice, entries, offsets, n - n0)
+                                locate_both_sides(dx, dy, x, y, around, entries, offsets, k)
+                            for k in range(located):
+                                n = n0 + k * apart
+                                samples = _sample_both_sides(lattice, entries, offsets, k)
                                 total = total + samples * taps[n]  # eq. 10
                         store(result, at, total)
     return True
+
+
+@inlined
+def _steps_apart(taps: Array) -> int:
+    """Return how many steps lie between the samples that count: 1, or more where all ``taps`` in between are 0."""
+    apart = 1
+    for each in range(2, taps.size):
+        between = 0
+        for n in range(1, taps.size):
+            between += 1 if n % each != 0 and taps[n] != 0 else 0
+        apart = each if between == 0 else apart
+    return apart
 
 
 @inlined

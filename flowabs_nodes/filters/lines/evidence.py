@@ -11,7 +11,7 @@ import numpy as np
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import gaussian
 from flowabs_nodes.filters.flow.flow_blur import along
-from flowabs_nodes.filters.flow.flow_resolution import reduced_flow
+from flowabs_nodes.filters.flow.flow_resolution import Flows
 from flowabs_nodes.sampling.resolution import reduced
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.elementary import exp2_of_negative, log2
@@ -21,7 +21,7 @@ from flowabs_nodes.simd.memory import load, store
 from flowabs_nodes.simd.pixelwise import as_picture, as_run, empty_run, first_pixel, over_pixels
 
 
-def stretch(response: Array, flow: Array, sigma_m: float, factor: int = 1) -> tuple[Array, Array]:
+def stretch(response: Array, flows: Flows, sigma_m: float, factor: int = 1) -> tuple[Array, Array]:
     """Return -N and -B, (h, w): the ink of a response H, and the ink along the longer stretch of each streamline.
 
     N = max(-H, 0) and B = G(3 sigma_m) along the flow of N, which is read at the nearest pixels: so many make the sum
@@ -31,7 +31,7 @@ def stretch(response: Array, flow: Array, sigma_m: float, factor: int = 1) -> tu
     ----------
     response
         H, (H, W), code values.
-    flow
+    flows
         (H, W, 2), unit tangents.
     sigma_m
         Sigma along the flow in pixels that H was made with.
@@ -44,7 +44,7 @@ def stretch(response: Array, flow: Array, sigma_m: float, factor: int = 1) -> tu
         np.minimum(response[first:last], 0, out=drawn[first:last])
 
     over_rows(band, response.shape[0])
-    drawn, flow = reduced(drawn, factor), reduced_flow(flow, factor)
+    drawn, flow = reduced(drawn, factor), flows.reduced(factor)
     weights = gaussian.half(gaussian.LONGER * sigma_m / factor)
     return drawn, along(drawn[None], flow, weights, "nearest")[0]
 

@@ -12,13 +12,20 @@ from flowabs_nodes.array_types import Array, Float64
 from flowabs_nodes.choices import FDOG_KERNELS, SAMPLINGS
 from flowabs_nodes.filters import gaussian, validate
 from flowabs_nodes.filters.flow.flow_blur import along, as_planes
-from flowabs_nodes.filters.flow.flow_resolution import reduced_flow
+from flowabs_nodes.filters.flow.flow_resolution import Flows, reduced_flow
 from flowabs_nodes.filters.lines.dog_line import across
 from flowabs_nodes.filters.lines.evidence import stretch, weakened
 from flowabs_nodes.filters.lines.join_channels import join_channels
 from flowabs_nodes.filters.lines.soft_edges import SoftEdges
 from flowabs_nodes.filters.lines.thin_lines import ThinLines
-from flowabs_nodes.filters.working_scale import READ_TWICE, evidence_factor, lines_factor, shortened_blur, step_along
+from flowabs_nodes.filters.working_scale import (
+    READ_TWICE,
+    evidence_factor,
+    lines_factor,
+    shortened_blur,
+    step_across,
+    step_along,
+)
 from flowabs_nodes.sampling.exact_sums import exact_sum
 from flowabs_nodes.sampling.resolution import enlarged, reduced
 from flowabs_nodes.simd.bands import limited, over_rows
@@ -113,11 +120,11 @@ def fdog(
         factor=detector.factor,
     )
     thin = ThinLines.checked(thin_lines, sigma_c=sigma_c, rho=rho, working_scale=working_scale, factor=detector.factor)
-    planes, small_flow = detector.reduced(code, flow)
-    missing = None if soft is None else soft.missing(planes, small_flow)
+    planes, flows = detector.reduced(code, flow)
+    missing = None if soft is None else soft.missing(planes, flows)
     if thin is not None:
-        missing = thin.added(missing, planes, small_flow)
-    return detector.response(planes, small_flow, code.shape[:2], missing, evidence)
+        missing = thin.added(missing, planes, flows)
+    return detector.response(planes, flows, code.shape[:2], missing, evidence)
 
 
 @dataclass(frozen=True)
@@ -157,9 +164,11 @@ class Detector:
         rho = validate.number("rho", rho, min=0, max=2)
         factor = lines_factor(working_scale, sigma_c, passes, pre_blur)
         inner, outer = (shortened_blur(s, factor, READ_TWICE) for s in (sigma_c, gaussian.SURROUND * sigma_c))
+        apart = step_along(working_scale, sigma_m / factor, pre_blur / factor)
+        apart_across = step_across(working_scale, sigma_c / factor, pre_blur / factor)
         return cls(
-            weights=gaussian.every(step_along(working_scale, pre_blur / factor), gaussian.half(sigma_m / factor)),
-            taps=gaussian.difference(inner, rho, outer),
+            weights=gaussian.every(apart, gaussian.half(sigma_m / factor)),
+            taps=gaussian.difference(inner, rho, outer, apart_across),
             color_weight=validate.number("color_weight", color_weight, min=0, max=1e6),
             full=validate.choice("kernel", kernel, FDOG_KERNELS) == "full",
             sampling=validate.choice("sampling", sampling, SAMPLINGS),
@@ -169,24 +178,25 @@ class Detector:
             evidence_factor=max(factor, evidence_factor(working_scale, sigma_c, pre_blur)),
         )
 
-    def reduced(self, code: Array, flow: Array) -> tuple[Array, Array]:
+    def reduced(self, code: Array, flow: Array) -> tuple[Array, Flows]:
         """Return the planes (C, h, w) of the channels that count, and the flow, both of the size that is worked on."""
         counts = code if self.color_weight > 0 or code.ndim == 2 else code[..., 0]
-        return as_planes(reduced(counts, self.factor)), reduced_flow(flow, self.factor)
+        return as_planes(reduced(counts, self.factor)), Flows(reduced_flow(flow, self.factor))
 
     def response(
         self,
         planes: Array,
-        flow: Array,
+        flows: Flows,
         size: tuple[int, ...],
         missing: Array | None = None,
         evidence: float = 0.0,
     ) -> Array:
-        """Return H, (H, W), of planes (C, h, w) of code values and a flow of the size that is worked on.
+        """Return H, (H, W), of planes (C, h, w) of code values and the flow of the size that is worked on.
 
         ``size`` is H and W: those of the planes, or of the full picture, to which H is brought up. ``missing``, (C, h,
         w), is added to the sums across the flow.
         """
+        flow = flows.reduced(1)
         if self.full:
             responses = exact_sum(planes, flow, self.taps, self.weights, self.sampling)  # eq. 6
             if missing is not None:
@@ -195,7 +205,7 @@ class Detector:
             sums = across(planes, flow, self.taps)  # eq. 10
             del planes
             if missing is not None:
-                sums += missing
+                _add(sums, missing)
             responses = along(sums, flow, self.weights, self.sampling)  # eq. 11
             del sums
         at_work = size == responses.shape[1:]
@@ -206,7 +216,7 @@ class Detector:
         if at_work:
             del responses  # whose memory serves what follows
         if evidence > 0:
-            found = stretch(joined, flow, self.sigma_m, self.evidence_factor // self.factor)
+            found = stretch(joined, flows, self.sigma_m, self.evidence_factor // self.factor)
         response = np.empty(size, np.float32)
 
         def band(first: int, last: int) -> None:
@@ -225,3 +235,12 @@ class Detector:
     def _joined(self, responses: Array) -> Array:
         """Return H, (H, W), of the channels' responses (C, H, W) before evidence is asked for."""
         return join_channels(responses, self.color_weight, self.color_sign)
+
+
+def _add(sums: Array, missing: Array) -> None:
+    """Add planes (C, H, W) to others, by all threads."""
+
+    def band(first: int, last: int) -> None:
+        sums[:, first:last] += missing[:, first:last]
+
+    over_rows(band, sums.shape[1])

@@ -59,8 +59,9 @@ def fdog_iterative(
         measured once, in the picture without ink, and added in each pass. For the ``working_scale`` "auto" and more
         than one pass 1/2 must also leave ``sigma_c`` and ``pre_blur`` 2.8 pixels together (the root of the sum of their
         squares), 1/4 twice as much. Evidence is looked for at 1/2 where they are 2.8 pixels together. Unless "full",
-        responses are summed over every other pixel of the streamline where ``pre_blur`` is at least 2.5 pixels of the
-        size that is worked on.
+        responses are summed over some of the samples alone where ``pre_blur`` leaves nothing finer: of the streamline
+        over every second or third pixel, of the gradient axis over every second (:func:`step_along
+        <flowabs_nodes.filters.working_scale.step_along>` and its neighbour).
     tau, contrast, softness
         As the parameters of :func:`~flowabs_nodes.filters.threshold`.
     iterations
@@ -184,26 +185,25 @@ class Passes:
         """Return what :func:`fdog_iterative` does. Of ``code`` nothing is held once it is reduced or laid out."""
         code = validate.plane_or_planes("code", code, summed=True)
         flow, size = validate.flow_field(flow, code.shape), code.shape[:2]
-        original, flow = self.detector.reduced(code, flow)
-        del code
-        missing, lines = None if self.soft is None else self.soft.missing(original, flow), None
+        original, flows = self.detector.reduced(code, flow)
+        del code, flow
+        missing, lines = None if self.soft is None else self.soft.missing(original, flows), None
         if self.thin is not None:
-            missing = self.thin.added(missing, original, flow)
+            missing = self.thin.added(missing, original, flows)
         for _ in range(self.iterations - 1):
             seen = original.shape[1:]
-            lines, _ = self.lines_of(self.detector.response(self._seen(original, lines), flow, seen, missing))
-        response = self.detector.response(self._seen(original, lines), flow, size, missing, self.evidence)
+            lines, _ = self.lines_of(self.detector.response(self._seen(original, lines), flows, seen, missing))
+        response = self.detector.response(self._seen(original, lines), flows, size, missing, self.evidence)
         del original, missing, lines
         return self.lines_of(response)
 
     def _seen(self, original: Array, lines: Array | None) -> Array:
         """Return the planes (C, H, W) that a pass filters: the original under the ink of ``lines``, and blurred."""
-        if lines is None and self.pre_blur == 0:
-            return original
-        picture = original.copy() if lines is None else _inked(original, lines)
-        if self.pre_blur > 0:
-            for plane in picture:
-                plane[:] = separable(plane, gaussian.half(self.pre_blur))
+        if self.pre_blur == 0:
+            return original if lines is None else _inked(original, lines)
+        picture, weights = np.empty_like(original), gaussian.half(self.pre_blur)
+        for plane, blurred in zip(original, picture, strict=True):
+            separable(plane if lines is None else _inked(plane, lines), weights, blurred)
         return picture
 
 
@@ -213,11 +213,11 @@ def _below(response: Array, tau: float, contrast: float | None, softness: float)
 
 
 def _inked(original: Array, lines: Array) -> Array:
-    """Return planes (C, H, W) with ink over them: multiplied by ``lines``, (H, W)."""
+    """Return a plane (H, W), or planes (C, H, W), with ink over them: multiplied by ``lines``, (H, W)."""
     picture = np.empty_like(original)
 
     def band(first: int, last: int) -> None:
-        np.multiply(original[:, first:last], lines[first:last], out=picture[:, first:last])
+        np.multiply(original[..., first:last, :], lines[first:last], out=picture[..., first:last, :])
 
     over_rows(band, lines.shape[0])
     return picture

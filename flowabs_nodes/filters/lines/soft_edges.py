@@ -9,7 +9,7 @@ import numpy as np
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters import gaussian, validate
 from flowabs_nodes.filters.flow.flow_blur import along
-from flowabs_nodes.filters.flow.flow_resolution import reduced_flow
+from flowabs_nodes.filters.flow.flow_resolution import Flows
 from flowabs_nodes.filters.gaussian_blur import separable
 from flowabs_nodes.filters.lines.edge_model import EdgeModel, missing_response
 from flowabs_nodes.filters.lines.soft_reach import Lengths, lengths
@@ -69,9 +69,9 @@ class SoftEdges:
         )
         return cls(each, EdgeModel(*map(np.float32, numbers)), own // factor)
 
-    def missing(self, planes: Array, flow: Array) -> Array:
+    def missing(self, planes: Array, flows: Flows) -> Array:
         """Return what to add to the sums across the flow (eq. 10) of planes (C, H, W) of code values, (C, H, W)."""
-        small, flow = reduced_planes(planes, self.factor), reduced_flow(flow, self.factor)
+        small, flow = reduced_planes(planes, self.factor), flows.reduced(self.factor)
         t = self.lengths.t
         weights = gaussian.every(max(1, round(t / 2)), gaussian.half(t))  # of what is as smooth as t
         found = along(self._found(small, flow), flow, weights, "bilinear")
@@ -82,7 +82,7 @@ class SoftEdges:
         height, width = planes.shape[1:]
         blurred = np.empty_like(planes)
         for plane, result in zip(planes, blurred, strict=True):
-            result[:] = separable(plane, gaussian.half(self.lengths.t))
+            separable(plane, gaussian.half(self.lengths.t), result)
         blurred, flow = pad_width(blurred, 2), pad_width(flow, 1)
         found = np.empty_like(blurred)
         pictures = blurred.reshape(-1), PlanesShape(*blurred.shape), flow.reshape(-1).view(np.complex64)

@@ -24,7 +24,7 @@ import numpy as np
 from flowabs_nodes.array_types import Array, Float64
 from flowabs_nodes.filters import gaussian, validate
 from flowabs_nodes.filters.flow.flow_blur import along
-from flowabs_nodes.filters.flow.flow_resolution import reduced_flow
+from flowabs_nodes.filters.flow.flow_resolution import Flows
 from flowabs_nodes.filters.gaussian_blur import blur
 from flowabs_nodes.filters.lines.dog_line import across
 from flowabs_nodes.filters.lines.extrema_across import closing, opening
@@ -76,16 +76,16 @@ class ThinLines:
         inner, outer = (shortened_blur(s, own, READ_TWICE) for s in (sigma_c, gaussian.SURROUND * sigma_c))
         return cls(width / own, gaussian.difference(inner, rho, outer), pre_blur / own, own // factor)
 
-    def added(self, missing: Array | None, planes: Array, flow: Array) -> Array:
+    def added(self, missing: Array | None, planes: Array, flows: Flows) -> Array:
         """Return ``missing``, what is added to the sums across the flow of planes (C, H, W), with thin lines' part.
 
-        None is nothing. Only the first plane, lightness, is mirrored.
+        That is added in its own memory; None is nothing. Only the first plane, lightness, is mirrored.
         """
-        flow = reduced_flow(flow, self.factor)
+        flow = flows.reduced(self.factor)
         mirrored = mirror(reduced(planes[0], self.factor), flow, self.width)
         if self.pre_blur > 0:
             mirrored = blur(mirrored, self.pre_blur)
-        total = np.zeros_like(planes) if missing is None else missing.copy()
+        total = np.zeros_like(planes) if missing is None else missing
         total[0] += enlarged(across(mirrored[None], flow, self.taps), self.factor, *planes.shape[1:])[0]
         return total
 

@@ -22,7 +22,15 @@ from flowabs_nodes.filters.regions.range_weights import (
     weight_exponents,
 )
 from flowabs_nodes.sampling.coords import Raster, padded_rows
-from flowabs_nodes.sampling.samples import PREFETCH_AHEAD, locate, new_sample_coords, prefetch_rows, row_below, sample
+from flowabs_nodes.sampling.samples import (
+    PREFETCH_AHEAD,
+    locate,
+    locate_both_sides,
+    new_sample_coords,
+    prefetch_rows,
+    row_below,
+    sample,
+)
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import kernel
 from flowabs_nodes.simd.lanes import LANES, to_doubles
@@ -120,7 +128,9 @@ def _along_line(
                     for s in range(first_s, last_s):
                         at = 2 * LANES * (block * _STEPS + s - first_s)
                         dx, dy = float(s) * ux, float(s) * uy
-                        if kappa is None:
+                        if kappa is None and bilinear is None:
+                            locate_both_sides(coords, at, (dx, dy), x, y, raster, size)
+                        elif kappa is None:
                             locate(coords, at, (dx, dy), x, y, raster, size, bilinear)
                             locate(coords, at + LANES, (-dx, -dy), x, y, raster, size, bilinear)
                         else:

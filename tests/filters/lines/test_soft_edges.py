@@ -7,6 +7,7 @@ from scipy.special import ndtr
 
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import etf, fdog, fdog_iterative, halo, threshold
+from flowabs_nodes.filters.flow.flow_resolution import Flows
 from flowabs_nodes.filters.lines.soft_edges import SoftEdges
 from tests.filters.flows import THIN, cases, random_flow
 from tests.naive import fdog as naive
@@ -20,7 +21,7 @@ def missing(code, flow, reach=7.0, **given):
     """What soft edges lack, and the same in float64, (H, W, C) both."""
     given = {"sigma_c": 1.0, "rho": 0.99, "color_weight": 0.0, "pre_blur": 0.0} | given
     planes = np.ascontiguousarray(np.moveaxis(np.atleast_3d(code), -1, 0))
-    found = SoftEdges.checked(1.0, reach, **given).missing(planes, flow)
+    found = SoftEdges.checked(1.0, reach, **given).missing(planes, Flows(flow))
     expected = naive_soft.missing(np.atleast_3d(code), flow, reach, **given)
     return np.moveaxis(found, 0, -1), expected
 
@@ -121,7 +122,7 @@ def test_in_one_pass_and_without_a_blur_before():
 def test_edges_that_are_softer_than_the_reach_or_that_noise_would_move_are_left_alone(blur, contrast):
     edge = Edge(0)
     soft = SoftEdges.checked(1.0, 7.0, sigma_c=1.0, rho=1.0, color_weight=0.0, pre_blur=1.5)
-    found = abs(soft.missing(edge.step(blur, contrast).astype(np.float32)[None], edge.flow)[0, :, 20:60]).max()
+    found = abs(soft.missing(edge.step(blur, contrast).astype(np.float32)[None], Flows(edge.flow))[0, :, 20:60]).max()
     assert found > 3 if (blur, contrast) == (6, 80) else found < 0.01
 
 
