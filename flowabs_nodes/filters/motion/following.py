@@ -47,7 +47,7 @@ from flowabs_nodes.simd.lanes import (
     splat_floats,
     sqrt,
 )
-from flowabs_nodes.simd.memory import gather_quads, load, load_quads, store
+from flowabs_nodes.simd.memory import gather_quads, load, load_pairs, load_quads, store
 
 #: Where the steps of the four pixels around a place differ by more than this, in pixels, the nearest one's is taken.
 APART = 1.5
@@ -74,48 +74,60 @@ class Limits(NamedTuple):
 
 
 @kernel
-def begin_paths(first: int, last: int, raster: Raster, path: Path) -> None:
-    """Let the paths of the rows ``first`` .. ``last`` - 1 begin, each at its own pixel."""
-    nowhere = splat_floats(0.0)
+def set_out(first: int, last: int, raster: Raster, steps: Pairs, after: Path) -> None:
+    """Lead the pixels of the rows ``first`` .. ``last`` - 1 from their own frame to the next one: write ``after``."""
     for y in range(first, last):
         for x0 in range(0, raster.stride, LANES):
             x = min(x0, raster.stride - LANES)
-            set_place(path, (y - first) * raster.stride + x, nowhere, nowhere, x, y, raster)
+            dx, dy = load_pairs(steps, y * raster.stride + x)
+            set_place(after, (y - first) * raster.stride + x, dx, dy, x, y, raster)
 
 
 @kernel
-def follow(
+def go_on(first: int, last: int, raster: Raster, steps: Pairs, before: Path, after: Path) -> None:
+    """Lead the pixels of the rows ``first`` .. ``last`` - 1 one frame further: from ``before``, write ``after``.
+
+    ``steps`` are those of the frame that the paths have come to, towards the next one.
+    """
+    for y in range(first, last):
+        for x0 in range(0, raster.stride, LANES):
+            x = min(x0, raster.stride - LANES)
+            at = (y - first) * raster.stride + x
+            step_x, step_y = _step_from(steps, place_of(before, at, raster))
+            dx, dy = load(before.dx, at) + step_x, load(before.dy, at) + step_y
+            set_place(after, at, dx, dy, x, y, raster)
+
+
+@kernel
+def judge(
     first: int,
     last: int,
     raster: Raster,
-    steps: tuple[Pairs, Pairs],
+    back: Pairs,
     own: Seen,
     there: Seen,
     limits: Limits,
     before: Path,
     after: Path,
 ) -> None:
-    """Follow the pixels of the rows ``first`` .. ``last`` - 1 one frame further: from ``before``, write ``after``.
+    """Give the places of ``after`` their weights, for the pixels of the rows ``first`` .. ``last`` - 1; lose some.
 
-    ``steps`` are those of the frame that the paths have come to, towards the next one, and of that one, back. ``own``
-    is what is seen on the pixels' own frame, ``there`` what is seen on the next one.
+    ``back`` are the steps of their frame to the one of ``before``. ``own`` is what is seen on the pixels' own frame,
+    ``there`` what is seen on that of the places.
     """
     stride = raster.stride
     records = np.empty(stride, np.int32)  # where the surfaces of places' upper left pixels stand
     for y in range(first, last):
         begin = (y - first) * stride
-        for x0 in range(0, stride, LANES):
-            x = min(x0, stride - LANES)
-            at = begin + x
-            step_x, step_y = _step_from(steps[0], place_of(before, at, raster))
-            dx, dy = load(before.dx, at) + step_x, load(before.dy, at) + step_y
-            set_place(after, at, dx, dy, x, y, raster)
-            store(records, x, 4 * load(after.corner, at))
+        if own.surface.size > 0:
+            for x0 in range(0, stride, LANES):
+                x = min(x0, stride - LANES)
+                store(records, x, 4 * load(after.corner, begin + x))
         for x0 in range(0, stride, LANES):
             x = min(x0, stride - LANES)
             pixel, at = y * stride + x, begin + x
             place, dx, dy = place_of(after, at, raster), load(after.dx, at), load(after.dy, at)
-            back_x, back_y = _step_from(steps[1], place)
+            back_x, back_y = _step_from(back, place)
             miss_x, miss_y = dx + back_x - load(before.dx, at), dy + back_y - load(before.dy, at)
             found = miss_x * miss_x + miss_y * miss_y <= limits.consistency * limits.consistency  # NaN is not
             if own.surface.size > 0:

@@ -7,22 +7,16 @@ import numpy as np
 from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters.background import BACKGROUND, FAR
 from flowabs_nodes.simd.bands import over_rows
-from flowabs_nodes.simd.jit import kernel
-from flowabs_nodes.simd.lanes import LANES, select, splat_floats
-from flowabs_nodes.simd.memory import load, load_triples, store, store_quads
-
-
-def known_depths(depth: Array, stride: int) -> Array:
-    """Return depths (H x stride,) with one number, 1e10, for all that is background: from 1e9 on, Inf and NaN."""
-    known = np.empty_like(depth)
-    over_rows(_know, depth.size // stride, depth, stride, known)
-    return known
+from flowabs_nodes.simd.jit import inlined, kernel
+from flowabs_nodes.simd.lanes import LANES, Floats, select, splat_floats
+from flowabs_nodes.simd.memory import load, load_triples, store_quads
 
 
 def surfaces(normal: Array, depth: Array, stride: int) -> Array:
     """Return normals (H x stride x 3,) and depths (H x stride,) as records of four floats, flattened.
 
-    Of the two one may have no pixels: its numbers are the same everywhere then. Without both there are no records.
+    Depths are as they are :func:`known`. Of the two one may have no pixels: its numbers are the same everywhere then.
+    Without both there are no records.
     """
     pixels = max(normal.size // 3, depth.size)
     records = np.empty(4 * pixels, np.float32)
@@ -30,14 +24,10 @@ def surfaces(normal: Array, depth: Array, stride: int) -> Array:
     return records
 
 
-@kernel
-def _know(first: int, last: int, depth: Array, stride: int, known: Array) -> None:
-    """Write the depths of the rows ``first`` .. ``last`` - 1 as they are known."""
-    for y in range(first, last):
-        for x0 in range(0, stride, LANES):
-            pixel = y * stride + min(x0, stride - LANES)
-            z = load(depth, pixel)
-            store(known, pixel, select(z < BACKGROUND, z, splat_floats(FAR)))
+@inlined
+def known(z: Floats) -> Floats:
+    """Return depths with one number, 1e10, for all that is background: from 1e9 on, Inf and NaN."""
+    return select(z < BACKGROUND, z, splat_floats(FAR))
 
 
 @kernel
@@ -51,5 +41,5 @@ def _pack(first: int, last: int, normal: Array, depth: Array, stride: int, recor
             if normal.size > 0:
                 u, v, w = load_triples(normal, 3 * pixel)
             if depth.size > 0:
-                z = load(depth, pixel)
+                z = known(load(depth, pixel))
             store_quads(records, 4 * pixel, (u, v, w, z))

@@ -15,7 +15,7 @@ from flowabs_nodes.filters.gaussian_blur import blur
 from flowabs_nodes.filters.motion.convention import Steps, steps_of
 from flowabs_nodes.filters.motion.following import Seen
 from flowabs_nodes.filters.motion.silhouettes import with_pure_motion
-from flowabs_nodes.filters.motion.surface import known_depths, surfaces
+from flowabs_nodes.filters.motion.surface import surfaces
 from flowabs_nodes.sampling.coords import Raster, padded_rows
 
 #: Pictures by the offset of their frame from the one that is made, 0 among them.
@@ -88,7 +88,7 @@ def frames_of(
         steps = steps_of(_channels("motions", motions, k, 4, raster), raster)
         depth = normal = guide = _NOTHING
         if depths is not None:
-            depth = known_depths(_plane("depths", depths, k, raster, check_finite=False), raster.stride)
+            depth = _plane("depths", depths, k, raster, check_finite=False)
             steps = with_pure_motion(steps, depth, raster)
         if normals is not None:
             normal = padded_rows(_channels("normals", normals, k, 3, raster), raster)
