@@ -7,11 +7,11 @@ from typing import NamedTuple
 import numpy as np
 
 from flowabs_nodes.array_types import Array, Float64
-from flowabs_nodes.filters.motion.places import Path, place_of, sample_plane
+from flowabs_nodes.filters.motion.places import Path, addresses, place_of, sample_plane
 from flowabs_nodes.sampling.coords import Raster
 from flowabs_nodes.simd.jit import kernel
 from flowabs_nodes.simd.lanes import LANES, absolute, lane_indices, select, splat_doubles, splat_floats, to_doubles
-from flowabs_nodes.simd.memory import load, store
+from flowabs_nodes.simd.memory import address, load, store
 
 #: A pixel moves if its place on the next frame, or on the one before, is farther away than this, in pixels.
 MOVES = 0.5
@@ -49,6 +49,7 @@ def measure_misfit(first: int, last: int, raster: Raster, path: Path, own: Array
     ``path`` leads to the places on the other frame, whose guide is ``there``.
     """
     stride, lanes = raster.stride, np.empty(LANES)
+    path, own, there = addresses(path), address(own, 0), address(there, 0)
     for y in range(first, last):
         number = along = still = splat_doubles(0.0)
         for x0 in range(0, stride, LANES):

@@ -1,27 +1,14 @@
-"""What tells surfaces apart from frame to frame: the depth and the normal of each pixel, side by side."""
+"""What tells surfaces apart from frame to frame: the depth and the normal of each pixel."""
 
 from __future__ import annotations
 
-import numpy as np
-
-from flowabs_nodes.array_types import Array
+from flowabs_nodes.array_types import Array, Int32
 from flowabs_nodes.filters.background import BACKGROUND, FAR
-from flowabs_nodes.simd.bands import over_rows
-from flowabs_nodes.simd.jit import inlined, kernel
-from flowabs_nodes.simd.lanes import LANES, Floats, select, splat_floats
-from flowabs_nodes.simd.memory import load, load_triples, store_quads
-
-
-def surfaces(normal: Array, depth: Array, stride: int) -> Array:
-    """Return normals (H x stride x 3,) and depths (H x stride,) as records of four floats, flattened.
-
-    Depths are as they are :func:`known`. Of the two one may have no pixels: its numbers are the same everywhere then.
-    Without both there are no records.
-    """
-    pixels = max(normal.size // 3, depth.size)
-    records = np.empty(4 * pixels, np.float32)
-    over_rows(_pack, pixels // stride, normal, depth, stride, records)
-    return records
+from flowabs_nodes.filters.motion.places import Place, Triple, corner_triple
+from flowabs_nodes.sampling.coords import Raster
+from flowabs_nodes.simd.jit import inlined
+from flowabs_nodes.simd.lanes import Floats, Masks, absolute, minimum, select, splat_floats, sqrt
+from flowabs_nodes.simd.memory import address, gather_pairs, load, load_triples
 
 
 @inlined
@@ -30,16 +17,42 @@ def known(z: Floats) -> Floats:
     return select(z < BACKGROUND, z, splat_floats(FAR))
 
 
-@kernel
-def _pack(first: int, last: int, normal: Array, depth: Array, stride: int, records: Array) -> None:
-    """Write the records of the rows ``first`` .. ``last`` - 1."""
-    u = v = w = splat_floats(0.0)
-    z = splat_floats(1.0)
-    for y in range(first, last):
-        for x0 in range(0, stride, LANES):
-            pixel = y * stride + min(x0, stride - LANES)
-            if normal.size > 0:
-                u, v, w = load_triples(normal, 3 * pixel)
-            if depth.size > 0:
-                z = known(load(depth, pixel))
-            store_quads(records, 4 * pixel, (u, v, w, z))
+@inlined
+def same_depth(depth: Array, there: Array, pixel: int, at: Place, tolerance: float) -> tuple[Masks, ...]:
+    """Return where the four pixels around a place, (H x stride,), have the pixel's depth.
+
+    They may differ by ``tolerance`` of the nearer one.
+    """
+    z = known(load(depth, pixel))
+    a, b = gather_pairs(there, at.corner, at.at)
+    c, d = gather_pairs(address(there, at.below), at.corner, at.at)
+    return _near(z, a, tolerance), _near(z, b, tolerance), _near(z, c, tolerance), _near(z, d, tolerance)
+
+
+@inlined
+def same_normal(
+    normal: Array, there: Array, pixel: int, records: Int32, k: int, cosine: float, raster: Raster
+) -> tuple[Masks, ...]:
+    """Return where the four pixels around a place, (H x stride x 3,), have the pixel's normal; (0, 0, 0) goes with any.
+
+    ``records`` holds, from k on, where the normals of the upper left ones begin; ``cosine`` is the least between two.
+    """
+    n = load_triples(normal, 3 * pixel)
+    return (
+        _parallel(n, corner_triple(there, records, k, 0, 0, raster), cosine),
+        _parallel(n, corner_triple(there, records, k, 1, 0, raster), cosine),
+        _parallel(n, corner_triple(there, records, k, 0, 1, raster), cosine),
+        _parallel(n, corner_triple(there, records, k, 1, 1, raster), cosine),
+    )
+
+
+@inlined
+def _near(z: Floats, there: Floats, tolerance: float) -> Masks:
+    other = known(there)
+    return absolute(other - z) <= tolerance * minimum(absolute(z), absolute(other))
+
+
+@inlined
+def _parallel(n: Triple, there: Triple, cosine: float) -> Masks:
+    (u, v, w), (a, b, c) = n, there
+    return u * a + v * b + w * c >= cosine * sqrt((u * u + v * v + w * w) * (a * a + b * b + c * c))

@@ -18,7 +18,7 @@ from flowabs_nodes.filters import validate
 from flowabs_nodes.filters.motion.convention import Steps
 from flowabs_nodes.filters.motion.following import Limits, go_on, judge, set_out
 from flowabs_nodes.filters.motion.misfit import Misfit, measure_misfit
-from flowabs_nodes.filters.motion.places import Pairs, Path
+from flowabs_nodes.filters.motion.places import Pairs, Path, rows_of_triples
 from flowabs_nodes.filters.motion.window_frames import (
     Frame,
     Frames,
@@ -209,7 +209,7 @@ def _ready(
     """
     kernel: Callable[..., None]
     if pictures[0].shape[2:] == (3,):
-        ready = {k: as_records(picture, alphas[k], raster) for k, picture in pictures.items()}
+        ready = {k: _records(picture, alphas[k], raster) for k, picture in pictures.items()}
         kernel = partial(_mean_of_colors, None if alphas[0] is None else True)
     else:
         ready = {k: padded_rows(picture, raster) for k, picture in pictures.items()}
@@ -220,6 +220,11 @@ def _ready(
     ready = {k: for_kernel(picture) for k, picture in ready.items()}
     others = [ready[k] for k in offsets] + [ready[0]] * (MOST - len(offsets))
     return ready[0], tuple(others), kernel
+
+
+def _records(picture: Array, alpha: Array | None, raster: Raster) -> Array:
+    """Return colours, and alpha if there is one, as :func:`mean_of_colors` reads them."""
+    return rows_of_triples(picture, raster) if alpha is None else as_records(picture, alpha, raster)
 
 
 def _mean_of_colors(alpha: bool | None, *arguments: Any) -> None:

@@ -14,8 +14,8 @@ from flowabs_nodes.filters import validate
 from flowabs_nodes.filters.gaussian_blur import blur
 from flowabs_nodes.filters.motion.convention import Steps, steps_of
 from flowabs_nodes.filters.motion.following import Seen
+from flowabs_nodes.filters.motion.places import rows_of_triples
 from flowabs_nodes.filters.motion.silhouettes import with_pure_motion
-from flowabs_nodes.filters.motion.surface import surfaces
 from flowabs_nodes.sampling.coords import Raster, padded_rows
 
 #: Pictures by the offset of their frame from the one that is made, 0 among them.
@@ -91,10 +91,10 @@ def frames_of(
             depth = _plane("depths", depths, k, raster, check_finite=False)
             steps = with_pure_motion(steps, depth, raster)
         if normals is not None:
-            normal = padded_rows(_channels("normals", normals, k, 3, raster), raster)
+            normal = rows_of_triples(_channels("normals", normals, k, 3, raster), raster)
         if guides is not None:
             guide = _plane("guides", guides, k, raster, sigma=guide_blur)
-        frames[k] = Frame(steps, Seen(guide, surfaces(normal, depth, raster.stride)))
+        frames[k] = Frame(steps, Seen(guide, depth, normal))
     return frames
 
 
