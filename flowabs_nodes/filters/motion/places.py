@@ -26,7 +26,7 @@ from flowabs_nodes.simd.lanes import (
     splat_floats,
     to_ints,
 )
-from flowabs_nodes.simd.memory import address, gather_pairs, gather_quads, load, store
+from flowabs_nodes.simd.memory import address, gather_octets, gather_pairs, gather_quads, load, store
 
 #: Pairs of floats, x then y: one complex64 for each pixel.
 Pairs = npt.NDArray[np.complex64]
@@ -132,20 +132,18 @@ def corner_pairs(pairs: Pairs, at: Place) -> tuple[Floats, Floats, Floats, Float
 
 
 def rows_of_triples(picture: Array, raster: Raster) -> Array:
-    """Return a picture (H, W, 3) flattened, its rows padded, for :func:`corner_triple`; a row alone is there twice."""
+    """Return a picture (H, W, 3) flattened, its rows padded, for :func:`corner_triples`; a row alone is there twice."""
     flat = padded_rows(picture, raster).reshape(-1)
     return flat if raster.height > 1 else np.concatenate([flat, flat])
 
 
 @inlined
-def corner_triple(triples: Array, records: Int32, k: int, right: int, below: int, raster: Raster) -> Triple:
-    """Return the triples at one corner of sixteen places: ``right`` and ``below`` are 0 or 1.
+def corner_triples(triples: Array, records: Int32, k: int, raster: Raster) -> tuple[Triple, Triple, Triple, Triple]:
+    """Return the triples up left, up right, down left and down right of sixteen places.
 
-    ``records`` holds, from k on, where those up left begin. A triple is read as four floats: in the upper row with the
-    one after it, in the lower with the one before, which are all in the picture.
+    ``records`` holds, from k on, where those up left begin. Two neighbours are read as eight floats: in the upper row
+    with the two after them, in the lower with the two before, which are all in the picture.
     """
-    if below == 0:
-        x, y, z, _ = gather_quads(address(triples, 3 * right), records, k)
-    else:
-        _, x, y, z = gather_quads(address(triples, 3 * (raster.stride + right) - 1), records, k)
-    return x, y, z
+    a, b, c, d, e, f, _, _ = gather_octets(triples, records, k)
+    _, _, u, v, w, x, y, z = gather_octets(address(triples, 3 * raster.stride - 2), records, k)
+    return (a, b, c), (d, e, f), (u, v, w), (x, y, z)

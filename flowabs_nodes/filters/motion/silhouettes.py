@@ -78,7 +78,10 @@ def _take_pure(first: int, last: int, depth: Array, raster: Raster, previous: Pa
                 other = pixel + lane + ways[lane]
                 if other == pixel + lane:
                     continue
-                previous[pixel + lane], following[pixel + lane] = previous[other], following[other]
+                if previous.size > 0:
+                    previous[pixel + lane] = previous[other]
+                if following.size > 0:
+                    following[pixel + lane] = following[other]
 
 
 @inlined

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from flowabs_nodes.array_types import Array, Int32
 from flowabs_nodes.filters.background import BACKGROUND, FAR
-from flowabs_nodes.filters.motion.places import Place, Triple, corner_triple
+from flowabs_nodes.filters.motion.places import Place, Triple, corner_triples
 from flowabs_nodes.sampling.coords import Raster
 from flowabs_nodes.simd.jit import inlined
 from flowabs_nodes.simd.lanes import Floats, Masks, absolute, minimum, select, splat_floats, sqrt
@@ -38,12 +38,8 @@ def same_normal(
     ``records`` holds, from k on, where the normals of the upper left ones begin; ``cosine`` is the least between two.
     """
     n = load_triples(normal, 3 * pixel)
-    return (
-        _parallel(n, corner_triple(there, records, k, 0, 0, raster), cosine),
-        _parallel(n, corner_triple(there, records, k, 1, 0, raster), cosine),
-        _parallel(n, corner_triple(there, records, k, 0, 1, raster), cosine),
-        _parallel(n, corner_triple(there, records, k, 1, 1, raster), cosine),
-    )
+    a, b, c, d = corner_triples(there, records, k, raster)
+    return _parallel(n, a, cosine), _parallel(n, b, cosine), _parallel(n, c, cosine), _parallel(n, d, cosine)
 
 
 @inlined

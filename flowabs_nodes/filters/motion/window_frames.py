@@ -84,8 +84,11 @@ def frames_of(
 ) -> dict[int, Frame]:
     """Return the own frame and those at ``offsets``; of guides, depths and normals there may be none."""
     frames = {}
+    first, last = min((0, *offsets)), max((0, *offsets))
     for k in (0, *offsets):
-        steps = steps_of(_channels("motions", motions, k, 4, raster), raster)
+        motion = _channels("motions", motions, k, 4, raster)
+        # The last frame leads back alone, the first one on.
+        steps = steps_of(motion, raster, previous=k > first, following=k < last)
         depth = normal = guide = _NOTHING
         if depths is not None:
             depth = _plane("depths", depths, k, raster, check_finite=False)

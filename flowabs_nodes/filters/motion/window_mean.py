@@ -17,7 +17,7 @@ from flowabs_nodes.filters.motion.places import (
     Place,
     addresses,
     corner_pairs,
-    corner_triple,
+    corner_triples,
     mix4,
     place_of,
     sample_plane,
@@ -131,10 +131,7 @@ def _sample_color(picture: Array, at: Place, records: Int32, raster: Raster, alp
     """
     if alpha is None:
         store(records, 0, 3 * load(at.corner, at.at))
-        p, q, r = corner_triple(picture, records, 0, 0, 0, raster)
-        s, t, u = corner_triple(picture, records, 0, 1, 0, raster)
-        i, j, k = corner_triple(picture, records, 0, 0, 1, raster)
-        l, m, n = corner_triple(picture, records, 0, 1, 1, raster)  # noqa: E741
+        (p, q, r), (s, t, u), (i, j, k), (l, m, n) = corner_triples(picture, records, 0, raster)  # noqa: E741
         return Color(mix4(p, s, i, l, at), mix4(q, t, j, m, at), mix4(r, u, k, n, at), splat_floats(1.0))
     store(records, 0, 4 * load(at.corner, at.at))
     p, q, r, s, t, u, v, w = gather_octets(picture, records, 0)
