@@ -1,6 +1,6 @@
 """Decode a file once for all who read it: plate, depth, normals, motion and ids are often layers of one file.
 
-An EXR compresses the channels of a part together, some rows at a time. To read one channel is to decode them all, which
+An EXR compresses the channels of a part together, some rows at a time: to read one channel is to decode them all, which
 is most of the work. So inside :func:`shared_decodes` the first reader of a file of one part decodes what the others
 will ask for too, and each channel is kept, as it is stored, until its last reader has taken it.
 
@@ -18,18 +18,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
-import OpenImageIO as oiio
 
 from flowabs_nodes.errors import FlowabsError
+from flowabs_nodes.io import formats
+from flowabs_nodes.io.formats.declare import Decoder, Planes
 from flowabs_nodes.io.limits import check_readable
 from flowabs_nodes.simd.bands import over_rows
 
 if TYPE_CHECKING:
     from flowabs_nodes.io.image_file import PictureFile
     from flowabs_nodes.io.settings import Settings
-
-#: The planes (H, W) of channels, in the file's own data types.
-Planes = dict[str, npt.NDArray[Any]]
 
 _shares: ContextVar[Mapping[str, _Share] | None] = ContextVar("flowabs_shared_decodes", default=None)
 _asking: ContextVar[bool] = ContextVar("flowabs_asking_for_channels", default=False)
@@ -128,7 +126,7 @@ class _Share:
     def _begin(self, file: PictureFile, settings: Settings) -> None:
         """Decode what the readers ask for, where several do and the file is one whose channels come together."""
         spec = file.specs[0]
-        if len(file.specs) > 1 or file.format.oiio_name != "openexr" or spec.tile_width or spec.deep:
+        if len(file.specs) > 1 or not file.format.decoder:
             return
         asked = [each for each in map(_channels_asked, self._readers) if each]
         self._left = Counter(name for each in asked for name in set(each))
@@ -136,7 +134,8 @@ class _Share:
             with suppress(FlowabsError):  # too many at once
                 check_readable(file.path, spec, len(self._left), settings)
                 self._state = _state_of(file.place)
-                self._planes = _decoded(file.place, spec, tuple(self._left))
+                decode: Decoder = formats.load(file.format.decoder)
+                self._planes = decode(file.place, spec, tuple(self._left))
 
 
 def _channels_asked(reader: Callable[[], object]) -> Sequence[str]:
@@ -157,30 +156,6 @@ def _state_of(place: str) -> tuple[int, ...]:
     """Return what changes when a file does."""
     state = os.stat(place)
     return state.st_dev, state.st_ino, state.st_size, state.st_mtime_ns
-
-
-def _decoded(place: str, spec: oiio.ImageSpec, names: Sequence[str]) -> Planes:
-    """Return channels of an EXR of one part, all of them in one go; none where that cannot be.
-
-    OpenEXR's own reader decodes in two fifths of OpenImageIO's time. Who finds a file damaged says nothing here: it is
-    read again, by OpenImageIO, which knows what to say.
-    """
-    import OpenEXR
-
-    try:
-        pixels = OpenEXR.InputFile(place).channels(list(names))
-    except (OSError, TypeError, ValueError, RuntimeError):
-        return {}
-    planes = {}
-    for name, plane in zip(names, pixels, strict=True):
-        dtype = _DTYPES.get(str(spec.channelformat(spec.channelnames.index(name))))
-        if dtype is None or len(plane) != spec.height * spec.width * np.dtype(dtype).itemsize:
-            return {}
-        planes[name] = np.frombuffer(plane, dtype).reshape(spec.height, spec.width)
-    return planes
-
-
-_DTYPES = {"half": np.float16, "float": np.float32, "uint": np.uint32}
 
 
 def _interleaved(planes: Sequence[npt.NDArray[Any]]) -> npt.NDArray[np.float32]:

@@ -14,7 +14,7 @@ import pytest
 
 import flowabs_nodes as fa
 from flowabs_nodes.errors import ReadError
-from flowabs_nodes.io import shared_decode
+from flowabs_nodes.io import decode_exr, shared_decode
 from flowabs_nodes.io.read import read_data, read_image
 from flowabs_nodes.io.read_id import read_id
 from flowabs_nodes.io.read_motion import read_motion
@@ -30,13 +30,13 @@ READERS: tuple[Callable[..., Any], ...] = (read_image, read_depth, read_normal, 
 def decoded(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, ...]]:
     """Return the channels of each decoding for several readers, which fills up."""
     seen: list[tuple[str, ...]] = []
-    decode = shared_decode._decoded
+    decode = decode_exr.decode_exr
 
     def counted(place: str, spec: Any, names: tuple[str, ...]) -> Any:
         seen.append(tuple(names))
         return decode(place, spec, names)
 
-    monkeypatch.setattr(shared_decode, "_decoded", counted)
+    monkeypatch.setattr(decode_exr, "decode_exr", counted)
     return seen
 
 
