@@ -16,7 +16,7 @@ _DTYPES = {"half": np.float16, "float": np.float32, "uint": np.uint32}
 def decode_exr(place: str, spec: oiio.ImageSpec, names: Sequence[str]) -> Planes:
     """Return the planes of channels; none where that cannot be: of tiles, of a file that is damaged or changed.
 
-    OpenEXR's own reader takes two fifths of OpenImageIO's time. It cannot say as well what is wrong with a file: whoever
+    OpenEXR's own reader takes two fifths of OpenImageIO's time. It cannot say as well what is wrong with a file: who
     gets nothing asks OpenImageIO, which has also looked at the header before.
     """
     if spec.tile_width or spec.deep:

@@ -116,7 +116,8 @@ def address(typingctx: Any, array: Any, i: Any) -> Any:
     """Return the memory of an array from array[i] on, to be passed on and indexed as that of :func:`scratch` is.
 
     In it is nothing but an address: to hand an array, or a tuple of arrays, from function to function numba counts
-    references, which in an inner loop takes longer than what is read. The array itself must be kept.
+    references, which in an inner loop takes longer than what is read. An array of the function's own is freed after it
+    is last named, used or not: :func:`keep` names it at the end.
     """
 
     def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
@@ -124,6 +125,12 @@ def address(typingctx: Any, array: Any, i: Any) -> Any:
         return _address(context, builder, sig.args[0], values[0], values[1], item)
 
     return Scratch(array.dtype)(array, i), generate
+
+
+@intrinsic
+def keep(typingctx: Any, array: Any) -> Any:
+    """Do nothing, where the memory of ``array`` is last read or written by its :func:`address`."""
+    return types.void(array), lambda context, builder, sig, values: context.get_dummy_value()
 
 
 def _prefetcher(to_write: bool) -> Any:

@@ -46,7 +46,7 @@ from flowabs_nodes.simd.lanes import (
     select,
     splat_floats,
 )
-from flowabs_nodes.simd.memory import address, load, load_pairs, store
+from flowabs_nodes.simd.memory import address, keep, load, load_pairs, store
 
 #: Where the steps of the four pixels around a place differ by more than this, in pixels, the nearest one's is taken.
 APART = 1.5
@@ -148,6 +148,7 @@ def judge(
                 weight = weight * exp2_of_negative(limits.exponent * change * change)
             store(after.dx, at, select(found, dx, splat_floats(np.float32(np.nan))))
             store(after.weight, at, select(found, weight, splat_floats(0.0)))
+    keep(row)
 
 
 @inlined
