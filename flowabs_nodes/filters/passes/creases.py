@@ -16,7 +16,7 @@ import numpy as np
 from flowabs_nodes.array_types import Array, Float64
 from flowabs_nodes.filters.passes.cracks import longer
 from flowabs_nodes.filters.passes.edges import CREASE, Edges, smoothstep
-from flowabs_nodes.filters.passes.near import MOVED, begin_at
+from flowabs_nodes.filters.passes.near import MOVED, begin_at, begin_rows
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import LANES, Floats, any_lane, select, set_lanes, sqrt
@@ -26,6 +26,7 @@ from flowabs_nodes.simd.pixelwise import as_picture, as_run, empty_run, first_pi
 _COLUMNS = 6  # x, y, nx, ny, strength, excess
 _ACROSS = 0.4  # the cosine between row, or column, and the crease's normal below which it runs along the crease
 _ALONGSIDE = 2.5  # px: what is no further away goes along it
+_ROWS = 6  # up and down from a crease's row, in which that is looked for
 _SHARPER = 1.3  # times as much excess
 _NO_NORMAL = 0.01  # squared length, of two normals' product, below which there is no angle between them
 _SLACK = 1e-4  # of cosines that are compared in a hurry
@@ -170,26 +171,32 @@ def alone(creases: Edges, excess: Float64, edges: Edges) -> Edges:
 def _fade(first: int, last: int, creases: Edges, excess: Float64, edges: Edges, strength: Float64) -> None:
     """Fade what goes along something of the creases in the rows ``first`` .. ``last`` - 1."""
     height, reach = edges.rows.size - 1, _ALONGSIDE + MOVED
-    for e in range(creases.rows[first], creases.rows[last]):
-        x, y, nx, ny = creases.x[e], creases.y[e], creases.nx[e], creases.ny[e]
-        beside = 0.0
-        for j in range(max(int(y - reach), 0), min(int(y + reach) + 1, height)):
-            for k in range(begin_at(edges.rows, edges.x, j, x - _ALONGSIDE), edges.rows[j + 1]):
-                dx, dy = edges.x[k] - x, edges.y[k] - y
-                if dx > reach:
-                    break
-                parallel = abs(nx * edges.nx[k] + ny * edges.ny[k]) > _PARALLEL
-                if parallel and dx * dx + dy * dy <= _ALONGSIDE * _ALONGSIDE:
-                    beside = max(beside, edges.strength[k])
-            for k in range(begin_at(creases.rows, creases.x, j, x - _ALONGSIDE), creases.rows[j + 1]):
-                dx, dy = creases.x[k] - x, creases.y[k] - y
-                if dx > reach:
-                    break
-                apart, along = abs(dx * nx + dy * ny), abs(dy * nx - dx * ny)
-                parallel = abs(nx * creases.nx[k] + ny * creases.ny[k]) > _PARALLEL
-                if parallel and along <= 1 and 1 < apart <= _ALONGSIDE and excess[k] > _SHARPER * excess[e]:
-                    beside = max(beside, creases.strength[k])
-        strength[e] *= 1 - beside
+    begins, crease_begins = np.empty(2 * _ROWS + 1, np.int64), np.empty(2 * _ROWS + 1, np.int64)
+    for row in range(first, last):
+        top = begin_rows(edges.rows, row, _ROWS, begins)
+        begin_rows(creases.rows, row, _ROWS, crease_begins)
+        for e in range(creases.rows[row], creases.rows[row + 1]):
+            x, y, nx, ny = creases.x[e], creases.y[e], creases.nx[e], creases.ny[e]
+            beside = 0.0
+            for j in range(max(int(y - reach), 0), min(int(y + reach) + 1, height)):
+                end = edges.rows[j + 1]
+                for k in range(begin_at(begins, j - top, end, edges.x, x - _ALONGSIDE), end):
+                    dx, dy = edges.x[k] - x, edges.y[k] - y
+                    if dx > reach:
+                        break
+                    parallel = abs(nx * edges.nx[k] + ny * edges.ny[k]) > _PARALLEL
+                    if parallel and dx * dx + dy * dy <= _ALONGSIDE * _ALONGSIDE:
+                        beside = max(beside, edges.strength[k])
+                end = creases.rows[j + 1]
+                for k in range(begin_at(crease_begins, j - top, end, creases.x, x - _ALONGSIDE), end):
+                    dx, dy = creases.x[k] - x, creases.y[k] - y
+                    if dx > reach:
+                        break
+                    apart, along = abs(dx * nx + dy * ny), abs(dy * nx - dx * ny)
+                    parallel = abs(nx * creases.nx[k] + ny * creases.ny[k]) > _PARALLEL
+                    if parallel and along <= 1 and 1 < apart <= _ALONGSIDE and excess[k] > _SHARPER * excess[e]:
+                        beside = max(beside, creases.strength[k])
+            strength[e] *= 1 - beside
 
 
 @inlined
