@@ -134,7 +134,8 @@ def _may_peak(a: Array, b: Array, c: Array, pixel: int, forward: int, h: float, 
         before = _cosine(a, b, c, pixel, forward, -0.5, h, 2 * _NO_NORMAL)
         after = _cosine(a, b, c, pixel, forward, 1.5, h, 2 * _NO_NORMAL)
         turned = turned & (before > middle - _SLACK) & (after > middle - _SLACK)
-    return set_lanes(turned)
+    found: int = set_lanes(turned)
+    return found
 
 
 @inlined
