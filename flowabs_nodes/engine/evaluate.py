@@ -13,7 +13,7 @@ import numpy as np
 
 from flowabs_nodes import stopping
 from flowabs_nodes.encodings import remember_encodings
-from flowabs_nodes.engine.call_node import call_node, call_sink
+from flowabs_nodes.engine.call_node import call_node, call_sink, check_params
 from flowabs_nodes.engine.error_boundary import error_boundary
 from flowabs_nodes.engine.lengths import length_factor, scale_lengths
 from flowabs_nodes.engine.plan import Result, Step, Unit, results_in
@@ -24,6 +24,7 @@ from flowabs_nodes.engine.unit_params import Params
 from flowabs_nodes.engine.window_inputs import NodeInputs, own_frame
 from flowabs_nodes.finishing.deferred import Deferred
 from flowabs_nodes.image import Image
+from flowabs_nodes.io.shared_decode import shared_decodes
 from flowabs_nodes.nodes.declare import Context, Node
 from flowabs_nodes.port_types import pixel_type
 from flowabs_nodes.simd.known_finite import remember_finite
@@ -32,6 +33,9 @@ if TYPE_CHECKING:
     from flowabs_nodes.engine.options import RunOptions
     from flowabs_nodes.graph.model import Graph
     from flowabs_nodes.io.sequences import Source
+
+#: The nodes that read pictures by this package's own readers, which share what they decode.
+_READERS = frozenset({"read", "read_aov", "read_depth", "read_normal", "read_motion", "read_id"})
 
 
 @dataclass
@@ -85,7 +89,7 @@ class Evaluation:
         """
         held, expected = dict(given), self._expected(steps)
         maker: WeakKeyDictionary[Image, Result] = WeakKeyDictionary()
-        with remember_finite(), remember_encodings() as encodings:
+        with remember_finite(), shared_decodes(self._readers(steps)), remember_encodings() as encodings:
             encodings.decoding = partial(self._decoding, maker)
             for result, image in held.items():
                 maker[image] = result
@@ -136,6 +140,22 @@ class Evaluation:
                 for result in results_in({"image": step.inputs["image"]}):
                     spaces.setdefault(result, set()).add(space)
         return {result: frozenset(each) for result, each in spaces.items()}
+
+    def _readers(self, steps: Collection[Step]) -> dict[str, list[Callable[[], object]]]:
+        """Return, by the path of each file, what reads it in these steps: functions without inputs or notes."""
+        readers: dict[str, list[Callable[[], object]]] = {}
+        for step in steps:
+            declaration = self.graph.nodes[step.unit.node].declaration
+            if step.unit in self.sources and declaration.type in _READERS:
+                readers.setdefault(str(self.sources[step.unit].path), []).append(partial(self._read, step, declaration))
+        return readers
+
+    def _read(self, step: Step, declaration: Node) -> object:
+        """Call a node that reads a file as :meth:`_run_step` does, with nobody to tell anything."""
+        assert declaration.file_param is not None
+        params = dict(self.params[step.unit]) | {declaration.file_param.name: str(self.sources[step.unit].path)}
+        context = Context(step.unit.frame, step.unit.node, step.wanted, services=self.options.settings)
+        return declaration.run(context, **check_params(declaration, params))
 
     def _run_step(self, step: Step, images: NodeInputs) -> dict[str, Image]:
         """Run one step on its inputs and return its outputs by name; what a read node returns is scaled."""

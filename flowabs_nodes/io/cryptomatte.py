@@ -8,7 +8,7 @@ and its coverage, sorted by coverage. An id is the 32 bits of a float. The heade
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -71,17 +71,22 @@ def majority(file: PictureFile, layers: Iterable[Layer], chosen: Selection) -> I
         and (channels := layer.vector(4))
     ]
     check_windows(file.specs, [chosen, *further])
-    ids, covered, total = _level(file, chosen.part, chosen.channels)
+    planes: dict[str, npt.NDArray[Any]] = {}
+    for part in dict.fromkeys(level.part for level in (chosen, *further)):
+        names = [name for level in (chosen, *further) if level.part == part for name in level.channels]
+        planes |= file.read_native(part, names)
+    ids, covered, total = _level(planes, chosen.channels)
     for level in further:
-        total = total + _level(file, level.part, level.channels)[2]
+        total = total + _level(planes, level.channels)[2]
     rest = 1 - total
     background = rest > covered
     return Ids(np.where(background, np.uint32(0), ids), np.where(background, rest, covered))
 
 
-def _level(file: PictureFile, part: int, channels: Sequence[str]) -> tuple[npt.NDArray[np.uint32], Array, Array]:
+def _level(
+    planes: Mapping[str, npt.NDArray[Any]], channels: Sequence[str]
+) -> tuple[npt.NDArray[np.uint32], Array, Array]:
     """Return the first id of a level, its coverage, and the coverage of both ids of the level, each (H, W)."""
-    planes = file.read_native(part, channels)
     ids, first, _, second = (planes[name] for name in channels)
     if ids.dtype != np.float32:
         raise ReadError(f"{channels[0]} is {ids.dtype}: the ids of a Cryptomatte are 32-bit floats", code="wrong-layer")

@@ -24,6 +24,7 @@ from flowabs_nodes.io.limits import MAX_PARTS, check_readable, too_large
 from flowabs_nodes.io.oiio_error import reason
 from flowabs_nodes.io.other_parts import check_other_parts
 from flowabs_nodes.io.settings import Settings
+from flowabs_nodes.io.shared_decode import seen_by_readers
 from flowabs_nodes.simd.bands import over_rows
 
 
@@ -61,7 +62,7 @@ def open_picture(path: str | os.PathLike[str], settings: Settings) -> Iterator[P
             raise ReadError(f"cannot be read: {error.strerror or error}", file=name) from error
         try:
             with _opened(name, place, settings) as file:
-                yield file
+                yield seen_by_readers(file, settings)
         except FlowabsError as error:
             if error.file == place:
                 error.file = name

@@ -215,6 +215,9 @@ any_lane = operation(
     [masks], types.boolean, lambda b, x: b.icmp_unsigned("!=", b.bitcast(x, ir.IntType(16)), ir.IntType(16)(0))
 )
 
+#: Return which lanes of a mask are set: an int whose bit k stands for lane k (on little-endian processors).
+set_lanes = operation([masks], types.int64, lambda b, x: b.zext(b.bitcast(x, ir.IntType(16)), _I64))
+
 
 def _of_floats_or_doubles(name: str) -> Any:
     """Return LLVM's function ``name`` of one vector of floats or doubles, for use in kernels."""

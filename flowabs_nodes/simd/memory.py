@@ -111,6 +111,28 @@ def scratch(typingctx: Any, dtype: Any, count: Any) -> Any:
     return Scratch(dtype.dtype)(dtype, count), generate
 
 
+@intrinsic
+def address(typingctx: Any, array: Any, i: Any) -> Any:
+    """Return the memory of an array from array[i] on, to be passed on and indexed as that of :func:`scratch` is.
+
+    In it is nothing but an address: to hand an array, or a tuple of arrays, from function to function numba counts
+    references, which in an inner loop takes longer than what is read. An array of the function's own is freed after it
+    is last named, used or not: :func:`keep` names it at the end.
+    """
+
+    def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
+        item = context.get_value_type(sig.return_type).pointee
+        return _address(context, builder, sig.args[0], values[0], values[1], item)
+
+    return Scratch(array.dtype)(array, i), generate
+
+
+@intrinsic
+def keep(typingctx: Any, array: Any) -> Any:
+    """Do nothing, where the memory of ``array`` is last read or written by its :func:`address`."""
+    return types.void(array), lambda context, builder, sig, values: context.get_dummy_value()
+
+
 def _prefetcher(to_write: bool) -> Any:
     """Return a function that asks the processor to fetch an item of an array into the cache, for use in kernels."""
 
@@ -147,7 +169,7 @@ def _addresses(builder: Any, indices: Any) -> list[Any]:
 
 def _records(context: Any, builder: Any, sig: Any, values: Any, record: Any) -> list[Any]:
     """Return the ``record`` (an LLVM type) at array[i] for each of the sixteen i in places[k .. k + 15]."""
-    data = context.make_array(sig.args[0])(context, builder, values[0]).data
+    data = _address(context, builder, sig.args[0], values[0], _I64(0), context.get_value_type(sig.args[0].dtype))
     indices = _address(context, builder, sig.args[1], values[1], values[2], ints.llvm)
     return [
         _aligned_to_a_float(builder.load(builder.bitcast(builder.gep(data, [i]), record.as_pointer())))

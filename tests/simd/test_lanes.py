@@ -142,3 +142,13 @@ def test_any_lane(lane: int | None) -> None:
         return lanes.any_lane(load(x, 0) > 0.5)
 
     assert any_above(x) == (lane is not None)
+
+
+def test_set_lanes() -> None:
+    x = np.random.default_rng(4).random(LANES, np.float32)
+
+    @njit
+    def above(x: Any) -> int:
+        return lanes.set_lanes(load(x, 0) > 0.5)
+
+    assert above(x) == sum(2**k for k in range(LANES) if x[k] > 0.5)

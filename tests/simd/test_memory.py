@@ -36,6 +36,22 @@ def test_reading_at_scattered_places() -> None:
 
 
 @njit
+def _read_further_on(picture: Any, pairs: Any, out: Any) -> None:
+    later = memory.address(memory.address(picture, 3), 4)
+    store(out, 0, load(later, 1))
+    for k, each in enumerate(memory.load_pairs(memory.address(pairs, 2), 0)):
+        store(out, 16 + 16 * k, each)
+    store(memory.address(out, 48), 0, load(picture, 0))
+
+
+def test_an_address_is_the_memory_of_an_array_from_an_item_on() -> None:
+    out, pairs = np.zeros(4 * LANES, np.float32), (PICTURE + 1j).astype(np.complex64)
+    _read_further_on(PICTURE, pairs, out)
+    expected = [PICTURE[8:24], pairs[2:18].real, pairs[2:18].imag, PICTURE[:16]]
+    np.testing.assert_array_equal(out.reshape(4, LANES), expected)
+
+
+@njit
 def _read_pairs(picture: Any, places: Any, out: Any) -> None:
     kept = memory.scratch(np.int32, 1)
     store(kept, 0, load(places, 0))

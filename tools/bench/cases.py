@@ -197,11 +197,13 @@ STAGES: dict[str, Stage] = {
     "bilateral-full": _plain(lambda p: filters.bilateral(p.codes, iterations=1)),
     "bilateral-xy": _plain(lambda p: filters.bilateral(p.codes, iterations=1, kernel="xy")),
     "aov-lines": _plain(lambda p: filters.aov_lines(**p.shot.passes)),
+    "aov-lines-alone": _plain(lambda p: filters.aov_lines(**p.shot.passes, outputs=("lines",))),
     "ink-lines": _plain(lambda p: filters.ink_lines(p.shot.edges.distance, p.shot.mattes)),
     "join-lines": _plain(lambda p: filters.join_lines(p.shot.edges.lines, p.lines)),
     "boil": _plain(lambda p: filters.boil(p.shot.edges.lines, p.shot.edges.flow, 2.0)),
     "id-matte": _plain(lambda p: filters.id_matte(p.shot.passes["id"], (1, 2, 3))),
     "motion-window": _plain(lambda p: filters.motion_window(**p.shot.window)),
+    "motion-window-guide": _plain(lambda p: filters.motion_window(**p.shot.window_of("images", "motions", "guides"))),
 }
 
 

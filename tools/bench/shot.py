@@ -74,3 +74,7 @@ class Shot:
             for name, each in every.items()
         }
         return frames | {"motions": dict.fromkeys(offsets, motion)}
+
+    def window_of(self, *names: str) -> dict[str, Any]:
+        """Return some of what ``window`` has."""
+        return {name: self.window[name] for name in names}

@@ -35,9 +35,10 @@ class Steps(NamedTuple):
     following: Pairs
 
 
-def steps_of(motion: Array, raster: Raster) -> Steps:
-    """Return the steps of a motion pass (H, W, 4), as its vectors say."""
-    steps = Steps(*(np.empty(raster.height * raster.stride, np.complex64) for _ in range(2)))
+def steps_of(motion: Array, raster: Raster, *, previous: bool = True, following: bool = True) -> Steps:
+    """Return the steps of a motion pass (H, W, 4), as its vectors say; of no pixels what is not asked for."""
+    pixels = raster.height * raster.stride
+    steps = Steps(*(np.empty(pixels if asked else 0, np.complex64) for asked in (previous, following)))
     floats = [each.view(np.float32) for each in steps]
     over_rows(_turn, raster.height, padded_rows(motion, raster), raster.stride, *floats)
     return steps
@@ -62,8 +63,10 @@ def _turn(first: int, last: int, motion: Array, stride: int, previous: Array, fo
         for x0 in range(0, stride, LANES):
             pixel = y * stride + min(x0, stride - LANES)
             x, y_up, z, w = load_quads(motion, 4 * pixel)
-            store_pairs(previous, 2 * pixel, (x, -y_up))
-            store_pairs(following, 2 * pixel, (-z, w))
+            if previous.size > 0:
+                store_pairs(previous, 2 * pixel, (x, -y_up))
+            if following.size > 0:
+                store_pairs(following, 2 * pixel, (-z, w))
 
 
 @kernel

@@ -22,45 +22,42 @@ from typing import NamedTuple
 
 import numpy as np
 
-from flowabs_nodes.array_types import Array, Int32
+from flowabs_nodes.array_types import Array
 from flowabs_nodes.filters.motion.places import (
     Pairs,
     Path,
     Place,
+    addresses,
     corner_pairs,
     mix4,
     place_of,
     sample_plane,
     set_place,
 )
+from flowabs_nodes.filters.motion.surface import same_depth, same_normal
 from flowabs_nodes.sampling.coords import Raster
 from flowabs_nodes.simd.elementary import exp2_of_negative
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import (
     LANES,
     Floats,
-    Masks,
-    absolute,
     maximum,
     minimum,
     select,
     splat_floats,
-    sqrt,
 )
-from flowabs_nodes.simd.memory import gather_quads, load, load_quads, store
+from flowabs_nodes.simd.memory import address, keep, load, load_pairs, store
 
 #: Where the steps of the four pixels around a place differ by more than this, in pixels, the nearest one's is taken.
 APART = 1.5
 
 
 class Seen(NamedTuple):
-    """What there is to compare on a frame; of no pixels where it is not given.
-
-    ``guide`` is (H x stride,), ``surface`` (H x stride x 4,): a normal, then the depth.
-    """
+    """What there is to compare on a frame, flattened; of no pixels where it is not given."""
 
     guide: Array
-    surface: Array
+    depth: Array
+    normal: Array  # as :func:`~.places.rows_of_triples` gives it
 
 
 class Limits(NamedTuple):
@@ -74,58 +71,84 @@ class Limits(NamedTuple):
 
 
 @kernel
-def begin_paths(first: int, last: int, raster: Raster, path: Path) -> None:
-    """Let the paths of the rows ``first`` .. ``last`` - 1 begin, each at its own pixel."""
-    nowhere = splat_floats(0.0)
+def set_out(first: int, last: int, raster: Raster, steps: Pairs, after: Path) -> None:
+    """Lead the pixels of the rows ``first`` .. ``last`` - 1 from their own frame to the next one: write ``after``."""
+    there = addresses(after)
     for y in range(first, last):
         for x0 in range(0, raster.stride, LANES):
             x = min(x0, raster.stride - LANES)
-            set_place(path, (y - first) * raster.stride + x, nowhere, nowhere, x, y, raster)
+            dx, dy = load_pairs(steps, y * raster.stride + x)
+            set_place(there, (y - first) * raster.stride + x, dx, dy, x, y, raster)
 
 
 @kernel
-def follow(
+def go_on(first: int, last: int, raster: Raster, steps: Pairs, before: Path, after: Path) -> None:
+    """Lead the pixels of the rows ``first`` .. ``last`` - 1 one frame further: from ``before``, write ``after``.
+
+    ``steps`` are those of the frame that the paths have come to, towards the next one.
+    """
+    here, there, onward = addresses(before), addresses(after), address(steps, 0)
+    for y in range(first, last):
+        for x0 in range(0, raster.stride, LANES):
+            x = min(x0, raster.stride - LANES)
+            at = (y - first) * raster.stride + x
+            step_x, step_y = _step_from(onward, place_of(here, at, raster))
+            dx, dy = load(here.dx, at) + step_x, load(here.dy, at) + step_y
+            set_place(there, at, dx, dy, x, y, raster)
+
+
+@kernel
+def judge(
     first: int,
     last: int,
     raster: Raster,
-    steps: tuple[Pairs, Pairs],
+    back: Pairs,
     own: Seen,
     there: Seen,
     limits: Limits,
     before: Path,
     after: Path,
 ) -> None:
-    """Follow the pixels of the rows ``first`` .. ``last`` - 1 one frame further: from ``before``, write ``after``.
+    """Give the places of ``after`` their weights, for the pixels of the rows ``first`` .. ``last`` - 1; lose some.
 
-    ``steps`` are those of the frame that the paths have come to, towards the next one, and of that one, back. ``own``
-    is what is seen on the pixels' own frame, ``there`` what is seen on the next one.
+    ``back`` are the steps of their frame to the one of ``before``. ``own`` is what is seen on the pixels' own frame,
+    ``there`` what is seen on that of the places.
     """
     stride = raster.stride
-    records = np.empty(stride, np.int32)  # where the surfaces of places' upper left pixels stand
+    before, after, back = addresses(before), addresses(after), address(back, 0)
+    has_guide, has_depth, has_normal = own.guide.size > 0, own.depth.size > 0, own.normal.size > 0
+    guide, depth, normal = address(own.guide, 0), address(own.depth, 0), address(own.normal, 0)
+    guide_there, depth_there, normal_there = address(there.guide, 0), address(there.depth, 0), address(there.normal, 0)
+    row = np.empty(stride, np.int32)
+    records = address(row, 0)  # where the normals of places' upper left pixels stand
     for y in range(first, last):
         begin = (y - first) * stride
-        for x0 in range(0, stride, LANES):
-            x = min(x0, stride - LANES)
-            at = begin + x
-            step_x, step_y = _step_from(steps[0], place_of(before, at, raster))
-            dx, dy = load(before.dx, at) + step_x, load(before.dy, at) + step_y
-            set_place(after, at, dx, dy, x, y, raster)
-            store(records, x, 4 * load(after.corner, at))
+        if has_normal:
+            for x0 in range(0, stride, LANES):
+                x = min(x0, stride - LANES)
+                store(records, x, 3 * load(after.corner, begin + x))
         for x0 in range(0, stride, LANES):
             x = min(x0, stride - LANES)
             pixel, at = y * stride + x, begin + x
             place, dx, dy = place_of(after, at, raster), load(after.dx, at), load(after.dy, at)
-            back_x, back_y = _step_from(steps[1], place)
+            back_x, back_y = _step_from(back, place)
             miss_x, miss_y = dx + back_x - load(before.dx, at), dy + back_y - load(before.dy, at)
             found = miss_x * miss_x + miss_y * miss_y <= limits.consistency * limits.consistency  # NaN is not
-            if own.surface.size > 0:
-                found = found & _same_surface(own.surface, there.surface, records, x, pixel, limits, raster)
+            if has_depth or has_normal:
+                a = b = c = d = found
+                if has_depth:
+                    a, b, c, d = same_depth(depth, depth_there, pixel, place, limits.depth)
+                if has_normal:
+                    e, f, g, h = same_normal(normal, normal_there, pixel, records, x, limits.cosine, raster)
+                    a, b, c, d = a & e, b & f, c & g, d & h
+                found = found & (a | b | c | d)
             weight = splat_floats(limits.falloff)
-            if own.guide.size > 0:
-                change = sample_plane(there.guide, place) - load(own.guide, pixel)
+            if has_guide:
+                change = sample_plane(guide_there, place) - load(guide, pixel)
                 weight = weight * exp2_of_negative(limits.exponent * change * change)
             store(after.dx, at, select(found, dx, splat_floats(np.float32(np.nan))))
             store(after.weight, at, select(found, weight, splat_floats(0.0)))
+    keep(row)
 
 
 @inlined
@@ -140,21 +163,3 @@ def _step_from(steps: Pairs, at: Place) -> tuple[Floats, Floats]:
     nearest_x = select(lower, select(right, dx, cx), select(right, bx, ax))
     nearest_y = select(lower, select(right, dy, cy), select(right, by, ay))
     return select(alike, mix4(ax, bx, cx, dx, at), nearest_x), select(alike, mix4(ay, by, cy, dy, at), nearest_y)
-
-
-@inlined
-def _same_surface(own: Array, there: Array, corner: Int32, x: int, pixel: int, limits: Limits, raster: Raster) -> Masks:
-    """Return where one of the four pixels around a place has the pixel's depth and normal; (0, 0, 0) goes with any.
-
-    ``corner`` is, from x on, where the record of the upper left one stands.
-    """
-    u, v, w, z = load_quads(own, 4 * pixel)
-    square = u * u + v * v + w * w
-    found = z > z  # nowhere
-    for k in range(4):
-        right, below = min(k % 2, raster.width - 1), min(k // 2, raster.height - 1)
-        a, b, c, z_there = gather_quads(there[4 * (below * raster.stride + right) :], corner, x)
-        as_far = absolute(z_there - z) <= limits.depth * minimum(absolute(z), absolute(z_there))
-        alike = u * a + v * b + w * c >= limits.cosine * sqrt(square * (a * a + b * b + c * c))
-        found = found | (as_far & alike)
-    return found

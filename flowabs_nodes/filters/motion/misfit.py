@@ -7,11 +7,11 @@ from typing import NamedTuple
 import numpy as np
 
 from flowabs_nodes.array_types import Array, Float64
-from flowabs_nodes.filters.motion.places import Path, place_of, sample_plane
+from flowabs_nodes.filters.motion.places import Path, addresses, place_of, sample_plane
 from flowabs_nodes.sampling.coords import Raster
 from flowabs_nodes.simd.jit import kernel
-from flowabs_nodes.simd.lanes import LANES, absolute, select, splat_floats
-from flowabs_nodes.simd.memory import load, store
+from flowabs_nodes.simd.lanes import LANES, absolute, lane_indices, select, splat_doubles, splat_floats, to_doubles
+from flowabs_nodes.simd.memory import address, load, store
 
 #: A pixel moves if its place on the next frame, or on the one before, is farther away than this, in pixels.
 MOVES = 0.5
@@ -48,21 +48,21 @@ def measure_misfit(first: int, last: int, raster: Raster, path: Path, own: Array
 
     ``path`` leads to the places on the other frame, whose guide is ``there``.
     """
-    stride = raster.stride
-    kept = np.empty((3, LANES), np.float32)
+    stride, lanes = raster.stride, np.empty(LANES)
+    path, own, there = addresses(path), address(own, 0), address(there, 0)
     for y in range(first, last):
-        number, along, still = 0.0, 0.0, 0.0
+        number = along = still = splat_doubles(0.0)
         for x0 in range(0, stride, LANES):
             x = min(x0, stride - LANES)
             pixel, at = y * stride + x, (y - first) * stride + x
-            dx, dy = load(path.dx, at), load(path.dy, at)
-            moves = dx * dx + dy * dy > MOVES * MOVES  # a lost path, NaN, does not
-            value = load(own, pixel)
-            store(kept[0], 0, select(moves, splat_floats(1.0), splat_floats(0.0)))
-            store(kept[1], 0, absolute(sample_plane(there, place_of(path, at, raster)) - value))
-            store(kept[2], 0, absolute(load(there, pixel) - value))
-            for lane in range(x0 - x, min(LANES, raster.width - x)):  # each pixel once
-                number += kept[0, lane]
-                along += kept[0, lane] * kept[1, lane]
-                still += kept[0, lane] * kept[2, lane]
-        sums[y, 0], sums[y, 1], sums[y, 2] = number, along, still
+            dx, dy, column = load(path.dx, at), load(path.dy, at), lane_indices() + x
+            counts = (column >= x0) & (column < raster.width)  # each pixel once
+            moves = counts & (dx * dx + dy * dy > MOVES * MOVES)  # a lost path, NaN, does not
+            value, here = load(own, pixel), load(there, pixel)
+            far = sample_plane(there, place_of(path, at, raster))
+            number = number + to_doubles(select(moves, splat_floats(1.0), splat_floats(0.0)))
+            along = along + to_doubles(select(moves, absolute(far - value), splat_floats(0.0)))
+            still = still + to_doubles(select(moves, absolute(here - value), splat_floats(0.0)))
+        for k, sum in enumerate((number, along, still)):
+            store(lanes, 0, sum)
+            sums[y, k] = lanes.sum()

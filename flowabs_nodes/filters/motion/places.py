@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from flowabs_nodes.array_types import Array
-from flowabs_nodes.sampling.coords import Raster
+from flowabs_nodes.array_types import Array, Int32
+from flowabs_nodes.sampling.coords import Raster, padded_rows
 from flowabs_nodes.simd.jit import inlined
 from flowabs_nodes.simd.lanes import (
     Floats,
@@ -26,13 +26,15 @@ from flowabs_nodes.simd.lanes import (
     splat_floats,
     to_ints,
 )
-from flowabs_nodes.simd.memory import gather_pairs, gather_quads, load, store
+from flowabs_nodes.simd.memory import address, gather_octets, gather_pairs, gather_quads, load, store
 
 #: Pairs of floats, x then y: one complex64 for each pixel.
 Pairs = npt.NDArray[np.complex64]
 
 #: An offset beyond this, in pixels, leads out of any picture.
 _FARTHEST = 2.0**22
+
+Triple = tuple[Floats, Floats, Floats]
 
 LOST = np.float32(np.nan)
 
@@ -49,13 +51,23 @@ class Path(NamedTuple):
 
 
 class Place(NamedTuple):
-    """Sixteen places: their upper left pixels in memory, from ``at`` on, and the distances from them."""
+    """Sixteen places: their upper left pixels in memory, from ``at`` on, and the distances from them.
+
+    What is read at places are :func:`~flowabs_nodes.simd.memory.address` of pictures.
+    """
 
     corner: Any
     at: int
     fx: Floats
     fy: Floats
     below: int  # from a pixel to the one below it: 0 in a picture of one row
+
+
+@inlined
+def addresses(path: Path) -> Path:
+    """Return the memory of paths, as the functions below take it."""
+    dx, dy, corner, fx, fy, weight = path
+    return Path(address(dx, 0), address(dy, 0), address(corner, 0), address(fx, 0), address(fy, 0), address(weight, 0))
 
 
 @inlined
@@ -107,7 +119,7 @@ def mix4(a: Floats, b: Floats, c: Floats, d: Floats, at: Place) -> Floats:
 def sample_plane(plane: Array, at: Place) -> Floats:
     """Return a plane (H x stride,) at the places."""
     a, b = gather_pairs(plane, at.corner, at.at)
-    c, d = gather_pairs(plane[at.below :], at.corner, at.at)
+    c, d = gather_pairs(address(plane, at.below), at.corner, at.at)
     return mix4(a, b, c, d, at)
 
 
@@ -115,5 +127,23 @@ def sample_plane(plane: Array, at: Place) -> Floats:
 def corner_pairs(pairs: Pairs, at: Place) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats, Floats, Floats]:
     """Return x and y of a field of pairs at the pixels up left, up right, down left and down right of the places."""
     ax, ay, bx, by = gather_quads(pairs, at.corner, at.at)
-    cx, cy, dx, dy = gather_quads(pairs[at.below :], at.corner, at.at)
+    cx, cy, dx, dy = gather_quads(address(pairs, at.below), at.corner, at.at)
     return ax, ay, bx, by, cx, cy, dx, dy
+
+
+def rows_of_triples(picture: Array, raster: Raster) -> Array:
+    """Return a picture (H, W, 3) flattened, its rows padded, for :func:`corner_triples`; a row alone is there twice."""
+    flat = padded_rows(picture, raster).reshape(-1)
+    return flat if raster.height > 1 else np.concatenate([flat, flat])
+
+
+@inlined
+def corner_triples(triples: Array, records: Int32, k: int, raster: Raster) -> tuple[Triple, Triple, Triple, Triple]:
+    """Return the triples up left, up right, down left and down right of sixteen places.
+
+    ``records`` holds, from k on, where those up left begin. Two neighbours are read as eight floats: in the upper row
+    with the two after them, in the lower with the two before, which are all in the picture.
+    """
+    a, b, c, d, e, f, _, _ = gather_octets(triples, records, k)
+    _, _, u, v, w, x, y, z = gather_octets(address(triples, 3 * raster.stride - 2), records, k)
+    return (a, b, c), (d, e, f), (u, v, w), (x, y, z)

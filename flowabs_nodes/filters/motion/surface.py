@@ -1,55 +1,54 @@
-"""What tells surfaces apart from frame to frame: the depth and the normal of each pixel, side by side."""
+"""What tells surfaces apart from frame to frame: the depth and the normal of each pixel."""
 
 from __future__ import annotations
 
-import numpy as np
-
-from flowabs_nodes.array_types import Array
+from flowabs_nodes.array_types import Array, Int32
 from flowabs_nodes.filters.background import BACKGROUND, FAR
-from flowabs_nodes.simd.bands import over_rows
-from flowabs_nodes.simd.jit import kernel
-from flowabs_nodes.simd.lanes import LANES, select, splat_floats
-from flowabs_nodes.simd.memory import load, load_triples, store, store_quads
+from flowabs_nodes.filters.motion.places import Place, Triple, corner_triples
+from flowabs_nodes.sampling.coords import Raster
+from flowabs_nodes.simd.jit import inlined
+from flowabs_nodes.simd.lanes import Floats, Masks, absolute, minimum, select, splat_floats, sqrt
+from flowabs_nodes.simd.memory import address, gather_pairs, load, load_triples
 
 
-def known_depths(depth: Array, stride: int) -> Array:
-    """Return depths (H x stride,) with one number, 1e10, for all that is background: from 1e9 on, Inf and NaN."""
-    known = np.empty_like(depth)
-    over_rows(_know, depth.size // stride, depth, stride, known)
-    return known
+@inlined
+def known(z: Floats) -> Floats:
+    """Return depths with one number, 1e10, for all that is background: from 1e9 on, Inf and NaN."""
+    return select(z < BACKGROUND, z, splat_floats(FAR))
 
 
-def surfaces(normal: Array, depth: Array, stride: int) -> Array:
-    """Return normals (H x stride x 3,) and depths (H x stride,) as records of four floats, flattened.
+@inlined
+def same_depth(depth: Array, there: Array, pixel: int, at: Place, tolerance: float) -> tuple[Masks, ...]:
+    """Return where the four pixels around a place, (H x stride,), have the pixel's depth.
 
-    Of the two one may have no pixels: its numbers are the same everywhere then. Without both there are no records.
+    They may differ by ``tolerance`` of the nearer one.
     """
-    pixels = max(normal.size // 3, depth.size)
-    records = np.empty(4 * pixels, np.float32)
-    over_rows(_pack, pixels // stride, normal, depth, stride, records)
-    return records
+    z = known(load(depth, pixel))
+    a, b = gather_pairs(there, at.corner, at.at)
+    c, d = gather_pairs(address(there, at.below), at.corner, at.at)
+    return _near(z, a, tolerance), _near(z, b, tolerance), _near(z, c, tolerance), _near(z, d, tolerance)
 
 
-@kernel
-def _know(first: int, last: int, depth: Array, stride: int, known: Array) -> None:
-    """Write the depths of the rows ``first`` .. ``last`` - 1 as they are known."""
-    for y in range(first, last):
-        for x0 in range(0, stride, LANES):
-            pixel = y * stride + min(x0, stride - LANES)
-            z = load(depth, pixel)
-            store(known, pixel, select(z < BACKGROUND, z, splat_floats(FAR)))
+@inlined
+def same_normal(
+    normal: Array, there: Array, pixel: int, records: Int32, k: int, cosine: float, raster: Raster
+) -> tuple[Masks, ...]:
+    """Return where the four pixels around a place, (H x stride x 3,), have the pixel's normal; (0, 0, 0) goes with any.
+
+    ``records`` holds, from k on, where the normals of the upper left ones begin; ``cosine`` is the least between two.
+    """
+    n = load_triples(normal, 3 * pixel)
+    a, b, c, d = corner_triples(there, records, k, raster)
+    return _parallel(n, a, cosine), _parallel(n, b, cosine), _parallel(n, c, cosine), _parallel(n, d, cosine)
 
 
-@kernel
-def _pack(first: int, last: int, normal: Array, depth: Array, stride: int, records: Array) -> None:
-    """Write the records of the rows ``first`` .. ``last`` - 1."""
-    u = v = w = splat_floats(0.0)
-    z = splat_floats(1.0)
-    for y in range(first, last):
-        for x0 in range(0, stride, LANES):
-            pixel = y * stride + min(x0, stride - LANES)
-            if normal.size > 0:
-                u, v, w = load_triples(normal, 3 * pixel)
-            if depth.size > 0:
-                z = load(depth, pixel)
-            store_quads(records, 4 * pixel, (u, v, w, z))
+@inlined
+def _near(z: Floats, there: Floats, tolerance: float) -> Masks:
+    other = known(there)
+    return absolute(other - z) <= tolerance * minimum(absolute(z), absolute(other))
+
+
+@inlined
+def _parallel(n: Triple, there: Triple, cosine: float) -> Masks:
+    (u, v, w), (a, b, c) = n, there
+    return u * a + v * b + w * c >= cosine * sqrt((u * u + v * v + w * w) * (a * a + b * b + c * c))

@@ -16,9 +16,9 @@ from flowabs_nodes.array_types import Array
 from flowabs_nodes.choices import FALLOFFS
 from flowabs_nodes.filters import validate
 from flowabs_nodes.filters.motion.convention import Steps
-from flowabs_nodes.filters.motion.following import Limits, begin_paths, follow
+from flowabs_nodes.filters.motion.following import Limits, go_on, judge, set_out
 from flowabs_nodes.filters.motion.misfit import Misfit, measure_misfit
-from flowabs_nodes.filters.motion.places import Pairs, Path
+from flowabs_nodes.filters.motion.places import Pairs, Path, rows_of_triples
 from flowabs_nodes.filters.motion.window_frames import (
     Frame,
     Frames,
@@ -175,15 +175,17 @@ def _over_window(
     def average(first: int, last: int) -> None:
         """Make the rows ``first`` .. ``last`` - 1."""
         size = (last - first) * raster.stride
-        start, paths = _new_paths(1, size), _new_paths(len(offsets), size)
-        begin_paths(first, last, raster, start)
+        start, paths = _at_home(size), _new_paths(len(offsets) * size)
         before = start
         for at, k in enumerate(offsets):
             there, after = frames[k], _part(paths, slice(at * size, (at + 1) * size))
+            onward, back = _there_and_back(frames[k - 1 if k > 0 else k + 1].steps, there.steps, k)
             if abs(k) == 1:
                 before = start
-            steps = _there_and_back(frames[k - 1 if k > 0 else k + 1].steps, there.steps, k)
-            follow(first, last, raster, steps, seen, there.seen, limits[k], before, after)
+                set_out(first, last, raster, onward, after)
+            else:
+                go_on(first, last, raster, onward, before, after)
+            judge(first, last, raster, back, seen, there.seen, limits[k], before, after)
             if abs(k) == 1 and seen.guide.size > 0:
                 measure_misfit(first, last, raster, after, seen.guide, there.seen.guide, misfits[int(k > 0)])
             before = after
@@ -207,7 +209,7 @@ def _ready(
     """
     kernel: Callable[..., None]
     if pictures[0].shape[2:] == (3,):
-        ready = {k: as_records(picture, alphas[k], raster) for k, picture in pictures.items()}
+        ready = {k: _records(picture, alphas[k], raster) for k, picture in pictures.items()}
         kernel = partial(_mean_of_colors, None if alphas[0] is None else True)
     else:
         ready = {k: padded_rows(picture, raster) for k, picture in pictures.items()}
@@ -220,14 +222,25 @@ def _ready(
     return ready[0], tuple(others), kernel
 
 
+def _records(picture: Array, alpha: Array | None, raster: Raster) -> Array:
+    """Return colours, and alpha if there is one, as :func:`mean_of_colors` reads them."""
+    return rows_of_triples(picture, raster) if alpha is None else as_records(picture, alpha, raster)
+
+
 def _mean_of_colors(alpha: bool | None, *arguments: Any) -> None:
     mean_of_colors(*arguments, alpha)
 
 
-def _new_paths(count: int, size: int) -> Path:
-    """Return memory for the paths of ``size`` pixels to ``count`` frames."""
-    dx, dy, fx, fy, weight = np.empty((5, count * size), np.float32)
-    return Path(dx, dy, np.empty(count * size, np.int32), fx, fy, weight)
+def _new_paths(size: int) -> Path:
+    """Return memory for the paths of ``size`` pixels."""
+    dx, dy, fx, fy, weight = np.empty((5, size), np.float32)
+    return Path(dx, dy, np.empty(size, np.int32), fx, fy, weight)
+
+
+def _at_home(size: int) -> Path:
+    """Return paths of ``size`` pixels that have not set out: of them only the offsets are there."""
+    nowhere, nothing = np.zeros(size, np.float32), np.empty(0, np.float32)
+    return Path(nowhere, nowhere, np.empty(0, np.int32), nothing, nothing, nothing)
 
 
 def _part(paths: Path, part: slice) -> Path:

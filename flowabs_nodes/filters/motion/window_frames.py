@@ -14,8 +14,8 @@ from flowabs_nodes.filters import validate
 from flowabs_nodes.filters.gaussian_blur import blur
 from flowabs_nodes.filters.motion.convention import Steps, steps_of
 from flowabs_nodes.filters.motion.following import Seen
+from flowabs_nodes.filters.motion.places import rows_of_triples
 from flowabs_nodes.filters.motion.silhouettes import with_pure_motion
-from flowabs_nodes.filters.motion.surface import known_depths, surfaces
 from flowabs_nodes.sampling.coords import Raster, padded_rows
 
 #: Pictures by the offset of their frame from the one that is made, 0 among them.
@@ -84,17 +84,20 @@ def frames_of(
 ) -> dict[int, Frame]:
     """Return the own frame and those at ``offsets``; of guides, depths and normals there may be none."""
     frames = {}
+    first, last = min((0, *offsets)), max((0, *offsets))
     for k in (0, *offsets):
-        steps = steps_of(_channels("motions", motions, k, 4, raster), raster)
+        motion = _channels("motions", motions, k, 4, raster)
+        # The last frame leads back alone, the first one on.
+        steps = steps_of(motion, raster, previous=k > first, following=k < last)
         depth = normal = guide = _NOTHING
         if depths is not None:
-            depth = known_depths(_plane("depths", depths, k, raster, check_finite=False), raster.stride)
+            depth = _plane("depths", depths, k, raster, check_finite=False)
             steps = with_pure_motion(steps, depth, raster)
         if normals is not None:
-            normal = padded_rows(_channels("normals", normals, k, 3, raster), raster)
+            normal = rows_of_triples(_channels("normals", normals, k, 3, raster), raster)
         if guides is not None:
             guide = _plane("guides", guides, k, raster, sigma=guide_blur)
-        frames[k] = Frame(steps, Seen(guide, surfaces(normal, depth, raster.stride)))
+        frames[k] = Frame(steps, Seen(guide, depth, normal))
     return frames
 
 

@@ -11,13 +11,32 @@ from __future__ import annotations
 import numpy as np
 
 from flowabs_nodes.array_types import Array, Int32
-from flowabs_nodes.filters.motion.places import Pairs, Path, Place, corner_pairs, mix4, place_of, sample_plane
+from flowabs_nodes.filters.motion.places import (
+    Pairs,
+    Path,
+    Place,
+    addresses,
+    corner_pairs,
+    corner_triples,
+    mix4,
+    place_of,
+    sample_plane,
+)
 from flowabs_nodes.filters.regions.range_weights import load_color
 from flowabs_nodes.sampling.coords import Raster
 from flowabs_nodes.sampling.samples import Color
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import LANES, Floats, absolute, select, splat_floats, sqrt
-from flowabs_nodes.simd.memory import gather_octets, load, load_pairs, scratch, store, store_pairs, store_triples
+from flowabs_nodes.simd.memory import (
+    address,
+    gather_octets,
+    load,
+    load_pairs,
+    scratch,
+    store,
+    store_pairs,
+    store_triples,
+)
 from flowabs_nodes.simd.premultiplied import TINY
 
 #: The most frames beside a pixel's own: kernels take a tuple of so many pictures, of which the first ``count`` matter.
@@ -35,6 +54,7 @@ def mean_of_planes(
     """
     stride = raster.stride
     size = (last - first) * stride
+    paths, pictures = addresses(paths), _addresses_of(others)
     for y in range(first, last):
         for x0 in range(0, stride, LANES):
             x = min(x0, stride - LANES)
@@ -43,7 +63,7 @@ def mean_of_planes(
             total, weights = splat_floats(0.0), splat_floats(1.0)
             for k in range(count):
                 place, weight = place_of(paths, k * size + at, raster), load(paths.weight, k * size + at)
-                there = sample_plane(others[k], place)
+                there = sample_plane(pictures[k], place)
                 total, weights = total + weight * (there - value), weights + weight
             store(mean, pixel, value + total / weights)
 
@@ -62,11 +82,12 @@ def mean_of_colors(
 ) -> None:
     """Write the mean of code values, as :func:`mean_of_planes` does, (H x stride x 3,).
 
-    Pictures are records (:mod:`~flowabs_nodes.sampling.samples`) of three floats, or with ``alpha`` True of four. Each
-    weight, the own too, is multiplied by alpha then, so that no colour counts where there is none.
+    Pictures are records of three floats, as :func:`~.places.rows_of_triples` gives them, or with ``alpha`` True of
+    four. Each weight, the own too, is multiplied by alpha then, so that no colour counts where there is none.
     """
     stride, records = raster.stride, scratch(np.int32, 1)
     size = (last - first) * stride
+    paths, pictures = addresses(paths), _addresses_of(others)
     for y in range(first, last):
         for x0 in range(0, stride, LANES):
             x = min(x0, stride - LANES)
@@ -76,7 +97,7 @@ def mean_of_colors(
             weights = splat_floats(1.0) if alpha is None else value.alpha
             for k in range(count):
                 place, weight = place_of(paths, k * size + at, raster), load(paths.weight, k * size + at)
-                there = _sample_color(others[k], place, records, alpha)
+                there = _sample_color(pictures[k], place, records, raster, alpha)
                 if alpha is not None:
                     weight = weight * there.alpha
                 l = l + weight * (there.l - value.l)  # noqa: E741
@@ -87,17 +108,34 @@ def mean_of_colors(
 
 
 @inlined
-def _sample_color(picture: Array, at: Place, records: Int32, alpha: bool | None) -> Color:
+def _addresses_of(pictures: tuple[Array, ...]) -> tuple[Array, ...]:
+    """Return the memory of ``MOST`` pictures."""
+    a, b, c, d, e, f, g, h = pictures
+    return (
+        address(a, 0),
+        address(b, 0),
+        address(c, 0),
+        address(d, 0),
+        address(e, 0),
+        address(f, 0),
+        address(g, 0),
+        address(h, 0),
+    )
+
+
+@inlined
+def _sample_color(picture: Array, at: Place, records: Int32, raster: Raster, alpha: bool | None) -> Color:
     """Return the colours of records at the places; with ``alpha`` each of the four counts as far as it covers.
 
     ``records`` is memory for sixteen indices.
     """
-    size = 3 if alpha is None else 4
-    store(records, 0, load(at.corner, at.at) * size)
-    p, q, r, s, t, u, v, w = gather_octets(picture, records, 0)
-    i, j, k, l, m, n, o, z = gather_octets(picture[size * at.below :], records, 0)  # noqa: E741
     if alpha is None:
+        store(records, 0, 3 * load(at.corner, at.at))
+        (p, q, r), (s, t, u), (i, j, k), (l, m, n) = corner_triples(picture, records, 0, raster)  # noqa: E741
         return Color(mix4(p, s, i, l, at), mix4(q, t, j, m, at), mix4(r, u, k, n, at), splat_floats(1.0))
+    store(records, 0, 4 * load(at.corner, at.at))
+    p, q, r, s, t, u, v, w = gather_octets(picture, records, 0)
+    i, j, k, l, m, n, o, z = gather_octets(address(picture, 4 * at.below), records, 0)  # noqa: E741
     covered = mix4(s, w, l, z, at)
     inverse = select(covered > TINY, 1.0 / covered, splat_floats(0.0))
     return Color(
@@ -119,6 +157,7 @@ def mean_of_flows(
     """
     stride = raster.stride
     size = (last - first) * stride
+    paths, pictures = addresses(paths), _addresses_of(others)
     for y in range(first, last):
         for x0 in range(0, stride, LANES):
             x = min(x0, stride - LANES)
@@ -129,7 +168,7 @@ def mean_of_flows(
             weights = splat_floats(1.0)
             for k in range(count):
                 place, weight = place_of(paths, k * size + at, raster), load(paths.weight, k * size + at)
-                there_c, there_s = _sample_double(others[k], place)
+                there_c, there_s = _sample_double(pictures[k], place)
                 c, s = c + weight * (there_c - cosine), s + weight * (there_s - sine)
                 weights = weights + weight
             same = (c == 0.0) & (s == 0.0)

@@ -18,6 +18,7 @@ from flowabs_nodes.filters.passes.creases import alone, find_creases, unit_norma
 from flowabs_nodes.filters.passes.draw import Pens, draw
 from flowabs_nodes.filters.passes.edges import edges_of, no_edges
 from flowabs_nodes.filters.passes.fit import directed, fitted
+from flowabs_nodes.filters.passes.id_borders import id_borders
 from flowabs_nodes.filters.passes.own_depth import own_depth
 from flowabs_nodes.filters.passes.own_material import own_material
 from flowabs_nodes.filters.passes.passes_flow import passes_flow
@@ -129,14 +130,14 @@ def aov_lines(
     if covered.size:
         ids = np.where(covered > 0, ids, np.uint32(0))
 
-    seen = no_depth()
+    seen, borders = no_depth(), id_borders(ids)
     if depth_pass is not None:
         middle = View((wide - 1) / 2, (height - 1) / 2, wide)
         seen = affine_depth(depth_pass, projection, field_of_view, view or middle)
         if ids.size:
-            seen = own_depth(seen, ids)
+            seen = own_depth(seen, ids, borders)
     if ids.size and materials.size:
-        materials = own_material(materials, ids)
+        materials = own_material(materials, ids, borders)
     cracks = find_cracks(Passes(*seen, ids, covered, materials), height, depth_step)
     edges = fitted(directed(edges_of(cracks, depth_step, depth is not None)), sigma_m)
     unit = None if normals is None else unit_normals(normals)

@@ -14,8 +14,8 @@ from flowabs_nodes.array_types import Array, Float64, Int32, Int64, Uint32
 from flowabs_nodes.filters.passes.depth_steps import apart, may_step, relative_step
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined, kernel
-from flowabs_nodes.simd.lanes import LANES, any_lane
-from flowabs_nodes.simd.memory import load
+from flowabs_nodes.simd.lanes import LANES, Masks, lane_indices, set_lanes
+from flowabs_nodes.simd.memory import address, load
 
 #: What a crack is known by.
 DEPTH, ID, MATERIAL = 0, 1, 2
@@ -87,7 +87,8 @@ def _find(first: int, last: int, passes: Passes, flat: _Flat, depth_step: float)
     """Return the table of the cracks below, and to the right of, the pixels of the rows ``first`` .. ``last`` - 1."""
     # Inlined functions below take no tuples of arrays: numba would count references to the arrays at every call.
     u, far, unknown, ids, coverage, materials = passes
-    flat_u, flat_ids, flat_materials = flat
+    flat_u, flat_ids, flat_materials = address(flat.u, 0), address(flat.id, 0), address(flat.material, 0)
+    has_u, has_ids, has_materials = u.size > 0, ids.size > 0, materials.size > 0
     height = max(u.shape[0], ids.shape[0], materials.shape[0])
     width = max(u.shape[1], ids.shape[1], materials.shape[1])
     limit = 0.25 * depth_step
@@ -95,20 +96,27 @@ def _find(first: int, last: int, passes: Passes, flat: _Flat, depth_step: float)
     for y in range(first, last):
         x = 0
         while x < width:
-            # Sixteen pixels at a time where four in a row are inside the picture, else pixel by pixel.
+            # Sixteen pixels at a time where four in a row are inside the picture, else pixel by pixel. Each bit of
+            # ``below`` and ``right`` is a pixel that may have a crack there.
             inside = x >= 1 and x + LANES + 1 < width and y >= 1 and y + 2 < height
             end = x + LANES if inside else x + 1
-            below, right = True, True
+            below, right = 1, 1
             if inside:
                 pixel = y * width + x
-                below = _may_crack(flat_u, flat_ids, flat_materials, pixel, width, 0.99 * limit)
-                right = _may_crack(flat_u, flat_ids, flat_materials, pixel, 1, 0.99 * limit)
-                if not (below or right):
-                    x = end
-                    continue
-            while x < end:
+                cracked = torn = lane_indices() < 0
+                if has_u:
+                    cracked = may_step(flat_u, pixel, width, 0.99 * limit)
+                    torn = may_step(flat_u, pixel, 1, 0.99 * limit)
+                if has_ids:
+                    cracked = cracked | _differ(flat_ids, pixel, width)
+                    torn = torn | _differ(flat_ids, pixel, 1)
+                if has_materials:
+                    cracked = cracked | _differ(flat_materials, pixel, width)
+                    torn = torn | _differ(flat_materials, pixel, 1)
+                below, right = set_lanes(cracked), set_lanes(torn)
+            while below | right:
                 for along_x in range(2):  # in order of x
-                    if not (right if along_x else below):
+                    if not (right if along_x else below) & 1:
                         continue
                     x1, y1 = x + along_x, y + 1 - along_x
                     if x1 >= width or y1 >= height:
@@ -124,29 +132,16 @@ def _find(first: int, last: int, passes: Passes, flat: _Flat, depth_step: float)
                     crack[STEP], crack[KNOWN_BY] = step, max(known_by, DEPTH)
                     _note(u, far, ids, coverage, materials, x, y, x1, y1, crack)
                     count += 1
-                x += 1
+                below, right, x = below >> 1, right >> 1, x + 1
+            x = end
     return table[:count].copy()
 
 
 @inlined
-def _may_crack(u: Array, ids: Int32, materials: Int32, pixel: int, forward: int, limit: float) -> bool:
-    """Return whether there may be a crack between sixteen pixels, from ``pixel`` on, and those ``forward`` of them."""
-    found = False
-    if u.size > 0:
-        found = any_lane(may_step(u, pixel, forward, limit))
-    if ids.size > 0:
-        found = found or _differ(ids, pixel, forward)
-    if materials.size > 0:
-        found = found or _differ(materials, pixel, forward)
-    return found
-
-
-@inlined
-def _differ(ids: Int32, pixel: int, forward: int) -> bool:
-    """Return whether any of sixteen ids is another than that ``forward`` of it."""
+def _differ(ids: Int32, pixel: int, forward: int) -> Masks:
+    """Return where sixteen ids are others than those ``forward`` of them."""
     change = load(ids, pixel) ^ load(ids, pixel + forward)
-    differ: bool = any_lane((change > 0) | (change < 0))
-    return differ
+    return (change > 0) | (change < 0)
 
 
 @inlined

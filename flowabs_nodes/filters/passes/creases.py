@@ -16,17 +16,20 @@ import numpy as np
 from flowabs_nodes.array_types import Array, Float64
 from flowabs_nodes.filters.passes.cracks import longer
 from flowabs_nodes.filters.passes.edges import CREASE, Edges, smoothstep
-from flowabs_nodes.filters.passes.near import MOVED, begin_at
+from flowabs_nodes.filters.passes.near import MOVED, begin_at, begin_rows
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined, kernel
-from flowabs_nodes.simd.lanes import LANES, Floats, any_lane, select, sqrt
-from flowabs_nodes.simd.memory import load_triples, store_triples
+from flowabs_nodes.simd.lanes import LANES, Floats, any_lane, select, set_lanes, sqrt
+from flowabs_nodes.simd.memory import address, keep, load, load_triples, store, store_triples
 from flowabs_nodes.simd.pixelwise import as_picture, as_run, empty_run, first_pixel, over_pixels
 
 _COLUMNS = 6  # x, y, nx, ny, strength, excess
 _ACROSS = 0.4  # the cosine between row, or column, and the crease's normal below which it runs along the crease
 _ALONGSIDE = 2.5  # px: what is no further away goes along it
+_ROWS = 6  # up and down from a crease's row, in which that is looked for
 _SHARPER = 1.3  # times as much excess
+_NO_NORMAL = 0.01  # squared length, of two normals' product, below which there is no angle between them
+_SLACK = 1e-4  # of cosines that are compared in a hurry
 _PARALLEL = 0.7  # the cosine from which directions are parallel
 
 
@@ -71,20 +74,24 @@ def _find(first: int, last: int, unit: Array, flat: Array, theta: float, h: floa
     table, count = np.empty((64, _COLUMNS)), 0
     found = np.empty(5)
     cosine = math.cos(math.radians(0.49 * theta))  # where normals turn less there is no strength
-    reach = math.ceil(h) + 1
+    reach = math.ceil(h) + 2
+    top, bottom = max(first - reach, 0), min(last + reach, height)
+    planes = _apart(flat, top * width, bottom * width)
+    a, b, c = address(planes[0], 0), address(planes[1], 0), address(planes[2], 0)
     for y in range(first, last):
         x = 0
         while x < width:
+            # Each bit of ``below`` and ``right`` is a pixel that may have a crease there.
             inside = reach <= x and x + LANES + reach < width and reach <= y and y + reach < height
             end = x + LANES if inside else x + 1
-            below = not inside or _turns(flat, y * width + x, width, h, cosine)
-            right = not inside or _turns(flat, y * width + x, 1, h, cosine)
-            if not (below or right):
-                x = end
-                continue
-            while x < end:
+            below, right = 1, 1
+            if inside:
+                pixel = (y - top) * width + x
+                below = _may_peak(a, b, c, pixel, width, h, cosine)
+                right = _may_peak(a, b, c, pixel, 1, h, cosine)
+            while below | right:
                 for along_x in range(2):  # in order of x
-                    if not (right if along_x else below):
+                    if not (right if along_x else below) & 1:
                         continue
                     if (x if along_x else y) + 1 >= (width if along_x else height):
                         continue
@@ -97,28 +104,61 @@ def _find(first: int, last: int, unit: Array, flat: Array, theta: float, h: floa
                     table[count, 2], table[count, 3] = found[2], found[3]
                     table[count, 4], table[count, 5] = found[0], found[4]
                     count += 1
-                x += 1
+                below, right, x = below >> 1, right >> 1, x + 1
+            x = end
+    keep(planes)
     return table[:count].copy()
 
 
 @inlined
-def _turns(flat: Array, pixel: int, forward: int, h: float, cosine: float) -> bool:
-    """Return whether normals h before and after a crack are apart by an angle of ``cosine``, for any of sixteen."""
-    a, b, c = _normals_at(flat, pixel, forward, 0.5 - h)
-    d, e, f = _normals_at(flat, pixel, forward, 0.5 + h)
-    size = (a * a + b * b + c * c) * (d * d + e * e + f * f)
-    turned: bool = any_lane((a * d + b * e + c * f < cosine * sqrt(size)) & (size > 0.005))
-    return turned
+def _apart(flat: Array, first: int, last: int) -> Array:
+    """Return normals of the pixels ``first`` .. ``last`` - 1 as a plane for each component; of few pixels nothing."""
+    planes = np.empty((3, last - first), np.float32)
+    if last - first >= LANES:
+        for i in range(first, last, LANES):
+            pixel = min(i, last - LANES)
+            for k, component in enumerate(load_triples(flat, 3 * pixel)):
+                store(planes[k], pixel - first, component)
+    return planes
 
 
 @inlined
-def _normals_at(flat: Array, pixel: int, forward: int, along: float) -> tuple[Floats, Floats, Floats]:
-    """Return normals ``along`` steps of ``forward`` from sixteen pixels, between pixels a mean of two."""
+def _may_peak(a: Array, b: Array, c: Array, pixel: int, forward: int, h: float, cosine: float) -> int:
+    """Return for which of sixteen pixels A may have a peak before the next one of an angle with that ``cosine``.
+
+    (a, b, c) are the components of normals, in memory. No peak is left out: of what is near one :func:`_peak` decides.
+    """
+    middle = _cosine(a, b, c, pixel, forward, 0.5, h, 0.5 * _NO_NORMAL)
+    turned = middle < cosine
+    if any_lane(turned):
+        before = _cosine(a, b, c, pixel, forward, -0.5, h, 2 * _NO_NORMAL)
+        after = _cosine(a, b, c, pixel, forward, 1.5, h, 2 * _NO_NORMAL)
+        turned = turned & (before > middle - _SLACK) & (after > middle - _SLACK)
+    found: int = set_lanes(turned)
+    return found
+
+
+@inlined
+def _cosine(a: Array, b: Array, c: Array, pixel: int, forward: int, along: float, h: float, least: float) -> Floats:
+    """Return the cosines between normals h before and h after ``along``; 1 where there are none.
+
+    There are none where the product of their squared lengths is not above ``least``.
+    """
+    p, u = _between(a, pixel, forward, along - h), _between(a, pixel, forward, along + h)
+    q, v = _between(b, pixel, forward, along - h), _between(b, pixel, forward, along + h)
+    r, w = _between(c, pixel, forward, along - h), _between(c, pixel, forward, along + h)
+    size = (p * p + q * q + r * r) * (u * u + v * v + w * w)
+    there = size > least
+    return select(there, (p * u + q * v + r * w) / sqrt(select(there, size, 1.0)), 1.0)
+
+
+@inlined
+def _between(plane: Array, pixel: int, forward: int, along: float) -> Floats:
+    """Return what is ``along`` steps of ``forward`` from sixteen pixels, between pixels a mean of two."""
     i = math.floor(along)
     t = np.float32(along - i)
-    a, b, c = load_triples(flat, 3 * (pixel + i * forward))
-    d, e, f = load_triples(flat, 3 * (pixel + (i + 1) * forward))
-    return a + t * (d - a), b + t * (e - b), c + t * (f - c)
+    here, there = load(plane, pixel + i * forward), load(plane, pixel + (i + 1) * forward)
+    return here + t * (there - here)
 
 
 def alone(creases: Edges, excess: Float64, edges: Edges) -> Edges:
@@ -132,26 +172,32 @@ def alone(creases: Edges, excess: Float64, edges: Edges) -> Edges:
 def _fade(first: int, last: int, creases: Edges, excess: Float64, edges: Edges, strength: Float64) -> None:
     """Fade what goes along something of the creases in the rows ``first`` .. ``last`` - 1."""
     height, reach = edges.rows.size - 1, _ALONGSIDE + MOVED
-    for e in range(creases.rows[first], creases.rows[last]):
-        x, y, nx, ny = creases.x[e], creases.y[e], creases.nx[e], creases.ny[e]
-        beside = 0.0
-        for j in range(max(int(y - reach), 0), min(int(y + reach) + 1, height)):
-            for k in range(begin_at(edges.rows, edges.x, j, x - _ALONGSIDE), edges.rows[j + 1]):
-                dx, dy = edges.x[k] - x, edges.y[k] - y
-                if dx > reach:
-                    break
-                parallel = abs(nx * edges.nx[k] + ny * edges.ny[k]) > _PARALLEL
-                if parallel and dx * dx + dy * dy <= _ALONGSIDE * _ALONGSIDE:
-                    beside = max(beside, edges.strength[k])
-            for k in range(begin_at(creases.rows, creases.x, j, x - _ALONGSIDE), creases.rows[j + 1]):
-                dx, dy = creases.x[k] - x, creases.y[k] - y
-                if dx > reach:
-                    break
-                apart, along = abs(dx * nx + dy * ny), abs(dy * nx - dx * ny)
-                parallel = abs(nx * creases.nx[k] + ny * creases.ny[k]) > _PARALLEL
-                if parallel and along <= 1 and 1 < apart <= _ALONGSIDE and excess[k] > _SHARPER * excess[e]:
-                    beside = max(beside, creases.strength[k])
-        strength[e] *= 1 - beside
+    begins, crease_begins = np.empty(2 * _ROWS + 1, np.int64), np.empty(2 * _ROWS + 1, np.int64)
+    for row in range(first, last):
+        top = begin_rows(edges.rows, row, _ROWS, begins)
+        begin_rows(creases.rows, row, _ROWS, crease_begins)
+        for e in range(creases.rows[row], creases.rows[row + 1]):
+            x, y, nx, ny = creases.x[e], creases.y[e], creases.nx[e], creases.ny[e]
+            beside = 0.0
+            for j in range(max(int(y - reach), 0), min(int(y + reach) + 1, height)):
+                end = edges.rows[j + 1]
+                for k in range(begin_at(begins, j - top, end, edges.x, x - _ALONGSIDE), end):
+                    dx, dy = edges.x[k] - x, edges.y[k] - y
+                    if dx > reach:
+                        break
+                    parallel = abs(nx * edges.nx[k] + ny * edges.ny[k]) > _PARALLEL
+                    if parallel and dx * dx + dy * dy <= _ALONGSIDE * _ALONGSIDE:
+                        beside = max(beside, edges.strength[k])
+                end = creases.rows[j + 1]
+                for k in range(begin_at(crease_begins, j - top, end, creases.x, x - _ALONGSIDE), end):
+                    dx, dy = creases.x[k] - x, creases.y[k] - y
+                    if dx > reach:
+                        break
+                    apart, along = abs(dx * nx + dy * ny), abs(dy * nx - dx * ny)
+                    parallel = abs(nx * creases.nx[k] + ny * creases.ny[k]) > _PARALLEL
+                    if parallel and along <= 1 and 1 < apart <= _ALONGSIDE and excess[k] > _SHARPER * excess[e]:
+                        beside = max(beside, creases.strength[k])
+            strength[e] *= 1 - beside
 
 
 @inlined
@@ -188,7 +234,7 @@ def _turn(unit: Array, x: int, y: int, along_x: int, start: float, end: float) -
     a, b, c = _normal_at(unit, x, y, along_x, start)
     d, e, f = _normal_at(unit, x, y, along_x, end)
     size = (a * a + b * b + c * c) * (d * d + e * e + f * f)
-    if size < 0.01:
+    if size < _NO_NORMAL:
         return 0.0
     return math.degrees(math.acos(min(max((a * d + b * e + c * f) / math.sqrt(size), -1.0), 1.0)))
 

@@ -14,11 +14,14 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from flowabs_nodes.array_types import Array, Float64, Int32
 from flowabs_nodes.filters.passes.edges import CREASE, KINDS, Edges
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined, kernel
+from flowabs_nodes.simd.lanes import LANES, absolute, any_lane, lane_indices, select, splat_ints, to_doubles, to_floats
+from flowabs_nodes.simd.memory import address, keep, load, store
 
 #: Distances are told up to this, in pixels; it stands where no edge is nearer.
 FAR = 10.0
@@ -26,6 +29,7 @@ FAR = 10.0
 _WEAKER = 2.0  # px: how much further away a point without strength counts
 _HALF, _SPREAD = 0.75, 0.7  # half the length of a piece, in pixels, and how much more for each pixel away
 _BOTH = 0.5  # px^2: edges that are as near as that are both drawn
+_TILE = 64  # pixels of a row
 _BAND, _FADED = 2.0, 3.0  # px: strength is told this near an edge, and no more from there on
 
 
@@ -50,7 +54,7 @@ def draw(edges: Edges, creases: Edges, pens: Pens, height: int, width: int, *, a
     reach, crease_reach = (FAR, FAR) if measured else (ink_reach(pens.width), ink_reach(pens.crease_width / 2))
     size = (height, width) if measured else (0, 0)
     drawing = Drawing(
-        np.empty((KINDS, height, width) if apart else (KINDS, 0, 0), np.float32),
+        np.zeros((KINDS, height, width) if apart else (KINDS, 0, 0), np.float32),
         np.empty((height, width), np.float32),
         np.empty(size, np.float32),
         np.empty(size, np.float32),
@@ -83,45 +87,53 @@ def _draw(
     width = drawing.lines.shape[1]
     apart, measured = drawing.kinds.size > 0, drawing.distance.size > 0
     drawing.lines[first:last] = 1
-    if apart:
-        drawing.kinds[:, first:last] = 0
     if measured:
         drawing.strength[first:last], drawing.distance[first:last] = 0, FAR
-    shape = 2, last - first, width  # the nearest edge whose near side a pixel is on, and the one whose far side
-    squares, signed, which = np.full(shape, np.inf), np.empty(shape), np.empty(shape, np.int32)
-    _nearest(first, last, edges, reach, False, squares, signed, which)
-    folds = 1, last - first, width
-    crease_squares, unsigned, crease = np.full(folds, np.inf), np.empty(folds), np.empty(folds, np.int32)
-    _nearest(first, last, creases, crease_reach, True, crease_squares, unsigned, crease)
+    # The nearest edge whose near side a pixel is on, and the one whose far side; and the nearest crease. Most of a
+    # picture is near nothing: memory is only looked at in tiles that are near something. Rows are longer by a vector.
+    shape, tiles = (last - first, width + LANES), (last - first, width // _TILE + 1)
+    near, folded = np.zeros(tiles, np.bool_), np.zeros(tiles, np.bool_)
+    squares, signed, which = np.empty((2, *shape)), np.empty((2, *shape)), np.empty((2, *shape), np.int32)
+    _nearest(first, last, edges, width, reach, False, near, squares, signed, which)
+    crease_squares, unsigned, crease = np.empty((1, *shape)), np.empty((1, *shape)), np.empty((1, *shape), np.int32)
+    _nearest(first, last, creases, width, crease_reach, True, folded, crease_squares, unsigned, crease)
     for y in range(first, last):
         j = y - first
-        for x in range(width):
-            inner, outer, fold = squares[0, j, x], squares[1, j, x], crease_squares[0, j, x]
-            if min(inner, outer, fold) == np.inf:
+        for tile in range(tiles[1]):
+            if not (near[j, tile] or folded[j, tile]):
                 continue
-            most, nearest, strength = 0.0, FAR, 0.0
-            for side in range(2):
-                # Where lines meet, a pixel beyond the one's edge is on the other.
-                if squares[side, j, x] < np.inf and squares[side, j, x] <= squares[1 - side, j, x] + _BOTH:
-                    e, d = which[side, j, x], signed[side, j, x]
-                    ink = edges.strength[e] * min(max(min(d, pens.width - d) + 0.5, 0.0), 1.0)
+            for x in range(tile * _TILE, min((tile + 1) * _TILE, width)):
+                inner = outer = fold = np.inf
+                if near[j, tile]:
+                    inner, outer = squares[0, j, x], squares[1, j, x]
+                if folded[j, tile]:
+                    fold = crease_squares[0, j, x]
+                if min(inner, outer, fold) == np.inf:
+                    continue
+                most, nearest, strength = 0.0, FAR, 0.0
+                for side in range(2):
+                    # Where lines meet, a pixel beyond the one's edge is on the other.
+                    own, other = (inner, outer) if side == 0 else (outer, inner)
+                    if own < np.inf and own <= other + _BOTH:
+                        e, d = which[side, j, x], signed[side, j, x]
+                        ink = edges.strength[e] * min(max(min(d, pens.width - d) + 0.5, 0.0), 1.0)
+                        if apart:
+                            drawing.kinds[edges.kind[e], y, x] = max(ink, drawing.kinds[edges.kind[e], y, x])
+                        most = max(most, ink)
+                        if own < other or side == 0:
+                            nearest, strength = d, edges.strength[e]
+                if fold < np.inf:
+                    d, s = abs(unsigned[0, j, x]), creases.strength[crease[0, j, x]]
+                    ink = s * min(max(pens.crease_width / 2 - d + 0.5, 0.0), 1.0)
                     if apart:
-                        drawing.kinds[edges.kind[e], y, x] = max(ink, drawing.kinds[edges.kind[e], y, x])
+                        drawing.kinds[CREASE, y, x] = ink
                     most = max(most, ink)
-                    if squares[side, j, x] < squares[1 - side, j, x] or side == 0:
-                        nearest, strength = d, edges.strength[e]
-            if fold < np.inf:
-                d, s = abs(unsigned[0, j, x]), creases.strength[crease[0, j, x]]
-                ink = s * min(max(pens.crease_width / 2 - d + 0.5, 0.0), 1.0)
-                if apart:
-                    drawing.kinds[CREASE, y, x] = ink
-                most = max(most, ink)
-                if fold < min(inner, outer):
-                    nearest, strength = d, s
-            drawing.lines[y, x] = 1 - most
-            if measured:
-                drawing.distance[y, x] = min(max(nearest, -FAR), FAR)
-                drawing.strength[y, x] = strength * min(max((_FADED - abs(nearest)) / (_FADED - _BAND), 0.0), 1.0)
+                    if fold < min(inner, outer):
+                        nearest, strength = d, s
+                drawing.lines[y, x] = 1 - most
+                if measured:
+                    drawing.distance[y, x] = min(max(nearest, -FAR), FAR)
+                    drawing.strength[y, x] = strength * min(max((_FADED - abs(nearest)) / (_FADED - _BAND), 0.0), 1.0)
 
 
 @inlined
@@ -138,8 +150,10 @@ def _nearest(
     first: int,
     last: int,
     edges: Edges,
+    width: int,
     reach: float,
     two_sided: bool,
+    near: npt.NDArray[np.bool_],
     squares: Float64,
     signed: Float64,
     which: Int32,
@@ -147,10 +161,14 @@ def _nearest(
     """Write d and the index of the nearest point, within ``reach``, of each pixel of the rows first .. last - 1.
 
     In layer 0 of the results is the nearest one with d >= 0, or of all if ``two_sided``; in layer 1 that with d < 0.
+    They are written in tiles that are ``near`` something alone; where in these nothing is, squares are infinite.
     """
-    height, width = edges.rows.size - 1, signed.shape[2]
+    height = edges.rows.size - 1
+    sides, rows, length = squares.shape
+    square_at, signed_at, which_at = address(squares.ravel(), 0), address(signed.ravel(), 0), address(which.ravel(), 0)
     most = _HALF + _SPREAD * reach
     margin = math.ceil(math.hypot(reach, most)) + 2
+    lanes = to_doubles(to_floats(lane_indices()))
     for e in range(edges.rows[max(first - margin, 0)], edges.rows[min(last + margin, height)]):
         strength = edges.strength[e]
         if strength <= 0:
@@ -164,14 +182,28 @@ def _nearest(
             low, top = _between(nx, dy * ny, reach)
             low2, top2 = _between(ny, -dy * nx, most)
             left, right = px - min(top, top2), px - max(low, low2)
-            for x in range(max(0, math.ceil(left)), min(width, math.floor(right) + 1)):
-                dx = px - x
+            begin, end = max(0, math.ceil(left)), min(width, math.floor(right) + 1)
+            if begin >= end:
+                continue
+            for tile in range(begin // _TILE, (end - 1) // _TILE + 1):
+                if not near[y - first, tile]:
+                    near[y - first, tile] = True
+                    squares[:, y - first, tile * _TILE : (tile + 1) * _TILE] = np.inf
+            for x in range(begin, end, LANES):
+                dx = (px - x) - lanes
                 d, s = dx * nx + dy * ny, dy * nx - dx * ny
                 square = d * d + s * s
-                if square > reach * reach or abs(s) > _HALF + _SPREAD * abs(d):
-                    continue
-                side = 0 if d >= 0 or two_sided else 1
-                if square + weaker < squares[side, y - first, x]:
-                    squares[side, y - first, x] = square + weaker
-                    signed[side, y - first, x] = d
-                    which[side, y - first, x] = e
+                within = (square <= reach * reach) & (absolute(s) <= _HALF + _SPREAD * absolute(d))
+                for side in range(sides):
+                    at = (side * rows + y - first) * length + x
+                    before = load(square_at, at)
+                    nearer = within & (square + weaker < before)
+                    if not two_sided:
+                        nearer = nearer & ((d >= 0.0) if side == 0 else (d < 0.0))
+                    if any_lane(nearer):
+                        store(square_at, at, select(nearer, square + weaker, before))
+                        store(signed_at, at, select(nearer, d, load(signed_at, at)))
+                        store(which_at, at, select(nearer, splat_ints(e), load(which_at, at)))
+    keep(squares)
+    keep(signed)
+    keep(which)

@@ -32,7 +32,7 @@ from flowabs_nodes.filters.passes.cracks import (
     X,
     Y,
 )
-from flowabs_nodes.filters.passes.near import begin_at
+from flowabs_nodes.filters.passes.near import begin_at, begin_rows
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined, kernel
 
@@ -42,6 +42,7 @@ KINDS = 5
 
 _VOTE = 3.0  # px, sigma
 _REACH = 9  # px
+_ROWS = _REACH + 2  # up and down from a crack's row
 _TIE_BREAK = 0.25  # what the whole picture counts beside a step of 1
 
 
@@ -106,41 +107,52 @@ def _decide(
     edges: Edges,
 ) -> None:
     """Write the edges of the cracks of the rows ``first`` .. ``last`` - 1."""
-    for e in range(edges.rows[first], edges.rows[last]):
-        crack = table[e]
-        known_by, step, behind = crack[KNOWN_BY], crack[STEP], crack[BEHIND]
-        steep = smoothstep(0.25 * depth_step, depth_step, abs(step))
-        strength, first_is_near, share = 1.0, step > 0, 1.0
-        if known_by == DEPTH:
-            strength = steep
-        else:
-            vote, share = _vote(table, edges.rows, xs, e, depth_step)
-            vote += _TIE_BREAK * ties[e]
-            first_is_near = behind > 0 if behind != 0 else vote >= 0
-        side = 1.0 if first_is_near else -1.0
-        if behind != 0:
-            kind = OUTLINE
-        elif has_depth and known_by != DEPTH and share < 0.5:
-            kind = INTERSECTION if known_by == ID else MATERIAL_CHANGE
-        else:
-            kind = MATERIAL_CHANGE if known_by == MATERIAL and not has_depth else OBJECT
-        along_x = crack[ALONG_X]
-        edges.x[e] = crack[X] + along_x * crack[SHIFT]
-        edges.y[e] = crack[Y] + (1 - along_x) * crack[SHIFT]
-        edges.nx[e], edges.ny[e] = side * along_x, side * (1 - along_x)
-        edges.strength[e], edges.kind[e] = strength, kind
-        edges.surface[e] = crack[FIRST] if first_is_near else crack[SECOND]
-        edges.depth[e] = crack[FIRST_DEPTH] if first_is_near else crack[SECOND_DEPTH]
+    rows, begins = edges.rows, np.empty(2 * _ROWS + 1, np.int64)
+    gauss = np.empty(4 * _REACH * _REACH + 1)
+    for k in range(gauss.size):
+        gauss[k] = math.exp(-(k / 4) / (2 * _VOTE * _VOTE))
+    for y in range(first, last):
+        top = begin_rows(rows, y, _ROWS, begins)
+        for e in range(rows[y], rows[y + 1]):
+            crack = table[e]
+            known_by, step, behind = crack[KNOWN_BY], crack[STEP], crack[BEHIND]
+            steep = smoothstep(0.25 * depth_step, depth_step, abs(step))
+            strength, first_is_near, share = 1.0, step > 0, 1.0
+            if known_by == DEPTH:
+                strength = steep
+            else:
+                vote, share = _vote(table, rows, xs, begins, top, e, depth_step, gauss)
+                vote += _TIE_BREAK * ties[e]
+                first_is_near = behind > 0 if behind != 0 else vote >= 0
+            side = 1.0 if first_is_near else -1.0
+            if behind != 0:
+                kind = OUTLINE
+            elif has_depth and known_by != DEPTH and share < 0.5:
+                kind = INTERSECTION if known_by == ID else MATERIAL_CHANGE
+            else:
+                kind = MATERIAL_CHANGE if known_by == MATERIAL and not has_depth else OBJECT
+            along_x = crack[ALONG_X]
+            edges.x[e] = crack[X] + along_x * crack[SHIFT]
+            edges.y[e] = crack[Y] + (1 - along_x) * crack[SHIFT]
+            edges.nx[e], edges.ny[e] = side * along_x, side * (1 - along_x)
+            edges.strength[e], edges.kind[e] = strength, kind
+            edges.surface[e] = crack[FIRST] if first_is_near else crack[SECOND]
+            edges.depth[e] = crack[FIRST_DEPTH] if first_is_near else crack[SECOND_DEPTH]
 
 
 @inlined
-def _vote(table: Float64, rows: Int64, xs: Float64, e: int, depth_step: float) -> tuple[float, float]:
-    """Return the vote for the first side of a crack, and how much of the cracks around it has a depth step."""
+def _vote(
+    table: Float64, rows: Int64, xs: Float64, begins: Int64, top: int, e: int, depth_step: float, gauss: Float64
+) -> tuple[float, float]:
+    """Return the vote for the first side of a crack, and how much of the cracks around it has a depth step.
+
+    ``gauss`` holds the weights by four times the squared distance: cracks are half pixels apart.
+    """
     own = table[e]
     vote, steps, weights = 0.0, 0.0, 0.0
     y0 = int(own[Y])
     for y in range(max(y0 - _REACH - 1, 0), min(y0 + _REACH + 2, rows.size - 1)):
-        for k in range(begin_at(rows, xs, y, own[X] - _REACH), rows[y + 1]):
+        for k in range(begin_at(begins, y - top, rows[y + 1], xs, own[X] - _REACH), rows[y + 1]):
             other = table[k]
             dx, dy = other[X] - own[X], other[Y] - own[Y]
             if dx > _REACH:
@@ -151,7 +163,7 @@ def _vote(table: Float64, rows: Int64, xs: Float64, e: int, depth_step: float) -
             turned = other[FIRST] == own[SECOND] and other[SECOND] == own[FIRST]
             if not (same or turned):
                 continue
-            w = math.exp(-(dx * dx + dy * dy) / (2 * _VOTE * _VOTE))
+            w = gauss[int(4 * (dx * dx + dy * dy))]
             vote += w * (other[NEARER] if same else -other[NEARER])
             steps += w * smoothstep(0.25 * depth_step, depth_step, abs(other[STEP]))
             weights += w

@@ -46,15 +46,20 @@ def _with_edges(first: int, last: int, edges: Edges, tangent: Array, magnitude: 
     """Lay edges over the gradient of the normals in the rows ``first`` .. ``last`` - 1."""
     height, width = magnitude.shape
     tensor = np.zeros(((last - first) * width, 3), np.float32)
+    across = np.empty(2 * _REACH + 1)  # the Gaussian along a row
     beside, count = np.empty((last - first) * width, np.int64), 0  # the pixels that have a tensor
     for e in range(edges.rows[max(first - _REACH - 2, 0)], edges.rows[min(last + _REACH + 2, height)]):
         px, py, nx, ny = edges.x[e], edges.y[e], edges.nx[e], edges.ny[e]
         if edges.strength[e] < _LEAST:
             continue
+        left, right = max(0, math.ceil(px - _REACH)), min(width, math.floor(px + _REACH) + 1)
+        for x in range(left, right):
+            across[x - left] = math.exp(-0.5 * (x - px) * (x - px))
+        share = _EDGE * edges.strength[e] ** 2 / (2 * math.pi)
         for y in range(max(first, math.ceil(py - _REACH)), min(last, math.floor(py + _REACH) + 1)):
-            for x in range(max(0, math.ceil(px - _REACH)), min(width, math.floor(px + _REACH) + 1)):
-                square = (x - px) * (x - px) + (y - py) * (y - py)
-                w = _EDGE * edges.strength[e] ** 2 * math.exp(-0.5 * square) / (2 * math.pi)
+            down = share * math.exp(-0.5 * (y - py) * (y - py))
+            for x in range(left, right):
+                w = down * across[x - left]
                 i = (y - first) * width + x
                 if tensor[i, 0] + tensor[i, 2] == 0:
                     beside[count] = i

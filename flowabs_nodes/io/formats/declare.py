@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 if TYPE_CHECKING:  # help texts list the formats: no reader or writer is imported for that
+    import numpy.typing as npt
     import OpenImageIO as oiio
 
 
@@ -75,6 +76,9 @@ class Format:
     check
         Given the path of a file that OpenImageIO could open, raises ReadError where OpenImageIO would read wrong pixels
         without a complaint.
+    decoder
+        "module:function", a :data:`Decoder`, of a format that compresses a part's channels together, so that several
+        readers should not each decode them; "" where whoever reads a channel decodes no other.
     complete
         Given the path and the header of such a file, adds to the header what OpenImageIO leaves out.
 
@@ -115,6 +119,7 @@ class Format:
     check: Callable[[str], None] = _all_is_read
     complete: Callable[[str, oiio.ImageSpec], None] = _all_is_in_the_header
 
+    decoder: str = ""
     encoder: str = ""
     data_types: tuple[str, ...] = ()
     compression: str = ""
@@ -133,6 +138,12 @@ class Format:
         tagged = self.alpha == "tagged" and spec.get_int_attribute("oiio:UnassociatedAlpha", 0) == 1
         return self.alpha == "straight" or tagged
 
+
+#: The planes (H, W) of channels by name, in a file's own data types.
+Planes = dict[str, "npt.NDArray[Any]"]
+
+#: Called with (path, header, names of channels): returns their planes, or none where somebody else must read the file.
+Decoder = Callable[[str, "oiio.ImageSpec", Sequence[str]], Planes]
 
 #: Called with (picture, format, stamps, warn): returns the file's bytes. ``stamps`` are attributes of the run to store
 #: where ``format.stamps`` says, ``warn`` is told what the format cannot hold. Raises WriteError.

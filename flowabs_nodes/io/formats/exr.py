@@ -75,6 +75,7 @@ EXR = Format(
     integers="exact",
     reader=_reader,
     look=_look,
+    decoder="flowabs_nodes.io.decode_exr:decode_exr",
     encoder="flowabs_nodes.io.encode_exr:encode_exr",
     data_types=("half", "float"),
     layers=True,

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from flowabs_nodes import filters
+from flowabs_nodes.filters.passes.id_borders import id_borders
 from flowabs_nodes.filters.passes.own_material import own_material
 from tests.naive import aov_lines as naive
 
@@ -23,12 +24,13 @@ def pixels(height: int = 33, width: int = 71, seed: int = 1) -> tuple[np.ndarray
 @pytest.mark.parametrize(("height", "width"), [(33, 71), (1, 1), (1, 40), (40, 1), (5, 16)])
 def test_it_is_the_vote_of_the_pixels_around(height: int, width: int) -> None:
     ids, materials = pixels(height, width)
-    np.testing.assert_array_equal(own_material(materials, ids), naive.own_material(materials, ids))
+    np.testing.assert_array_equal(own_material(materials, ids, id_borders(ids)), naive.own_material(materials, ids))
 
 
 def test_materials_within_one_object_stay() -> None:
     _, materials = pixels()
-    np.testing.assert_array_equal(own_material(materials, np.ones_like(materials)), materials)
+    ids = np.ones_like(materials)
+    np.testing.assert_array_equal(own_material(materials, ids, id_borders(ids)), materials)
 
 
 def test_an_object_that_is_seen_through_another_has_no_specks_at_its_border() -> None:
