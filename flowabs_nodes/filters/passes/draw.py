@@ -16,7 +16,8 @@ from typing import NamedTuple
 import numpy as np
 
 from flowabs_nodes.array_types import Array, Float64, Int32
-from flowabs_nodes.filters.passes.edges import CREASE, KINDS, Edges
+from flowabs_nodes.filters.passes.edges import CREASE, FARTHEST, KINDS, Edges
+from flowabs_nodes.filters.passes.near import MOVED
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined, kernel
 
@@ -150,7 +151,7 @@ def _nearest(
     """
     height, width = edges.rows.size - 1, signed.shape[2]
     most = _HALF + _SPREAD * reach
-    margin = math.ceil(math.hypot(reach, most)) + 2
+    margin = math.ceil(math.hypot(reach, most) + MOVED + FARTHEST) + 1
     for e in range(edges.rows[max(first - margin, 0)], edges.rows[min(last + margin, height)]):
         strength = edges.strength[e]
         if strength <= 0:
