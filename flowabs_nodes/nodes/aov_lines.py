@@ -70,9 +70,10 @@ AOV_LINES = Node(
         "Looks at depth, normals and ids and not at light, so shadows, textures and noise make no lines. At least one "
         "of depth, normal and id is needed; each adds what it shows. Depth: where one surface lies before another, "
         "however steeply it runs away. Ids: wherever two objects meet, also where they touch. Normals: creases. Lines "
-        "lie on the near side of their edge, creases on both. Each edge is of one kind, whose ink is an output of its "
-        "own: outline (before the background), object (before another surface), material (within an object), crease, "
-        "and intersection (two objects that touch). Passes should be without anti-aliasing or noise of their own."
+        "lie on the near side of their edge; on both of a crease, and where two surfaces touch. Each edge is of one "
+        "kind, whose ink is an output of its own: outline (before the background), object (before another surface), "
+        "material (within an object), crease, and intersection (two objects that touch). Passes should be without "
+        "anti-aliasing or noise of their own."
     ),
     inputs=(
         Port("depth", "depth", "Distance from the camera.", optional=True),

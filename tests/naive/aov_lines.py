@@ -115,7 +115,7 @@ def edges(depth: Any = None, ids: Any = None, material: Any = None, depth_step: 
                 place = ((x + x1) / 2, (y + y1) / 2, x1 - x, y1 - y)
                 cracks.append((place, kind, j, nearer, behind, (first, second), depths))
     points = [decide(crack, cracks, depth_step, u is not None) for crack in cracks]
-    names = ("x", "y", "nx", "ny", "strength", "surface", "depth", "kind")
+    names = ("x", "y", "nx", "ny", "strength", "surface", "depth", "touching", "kind")
     return {name: np.array([point[k] for point in points]) for k, name in enumerate(names)}
 
 
@@ -123,7 +123,7 @@ def decide(crack: Any, cracks: Any, depth_step: float, has_depth: bool) -> Any:
     """Return the point of a crack: which side is near, how strong it is, and of which kind."""
     (x, y, dx, dy), kind, j, _, behind, (first, second), depths = crack
     steep = smoothstep(depth_step / 4, depth_step, abs(j))
-    share, near = 1.0, j > 0
+    share, near, touching = 1.0, j > 0, 0.0
     if kind != "depth":
         pair = [each for each in cracks if each[1] == kind and set(each[5]) == {first, second}]
         alike = [1 if each[5] == (first, second) else -1 for each in pair]
@@ -134,7 +134,10 @@ def decide(crack: Any, cracks: Any, depth_step: float, has_depth: bool) -> Any:
         steps = smoothstep(depth_step / 4, depth_step, np.abs([each[2] for each in pair]))
         towards = sum(each[3] * sign for each, sign in zip(pair, alike, strict=True) if each[4] == 0)
         tie = np.sign(towards) or (1 if first > second else -1)
-        near = behind > 0 if behind else (w * votes).sum() / w.sum() + 0.25 * tie >= 0
+        vote = (w * votes).sum() / w.sum()
+        near = behind > 0 if behind else vote + 0.25 * tie >= 0
+        if has_depth and not behind:
+            touching = np.clip((0.95 - abs(towards) / len(pair)) / 0.15, 0, 1) * (1 - smoothstep(0, 1, abs(vote)))
         share = (w * steps).sum() / w.sum()
     side = 1 if near else -1
     if behind:
@@ -145,7 +148,7 @@ def decide(crack: Any, cracks: Any, depth_step: float, has_depth: bool) -> Any:
         made = MATERIAL if kind == "material" and not has_depth else OBJECT
     own = 0 if near else 1
     strength = steep if kind == "depth" else 1.0
-    return x, y, side * dx, side * dy, strength, (first, second)[own], depths[own], made
+    return x, y, side * dx, side * dy, strength, (first, second)[own], depths[own], touching, made
 
 
 def same_stroke(points: dict[str, Any], e: int) -> Any:
@@ -168,7 +171,7 @@ def directed(points: dict[str, Any]) -> dict[str, Any]:
 
 def fitted(points: dict[str, Any], sigma: float) -> dict[str, Any]:
     """Return points on the lines through them, by weighted least squares."""
-    made = {name: np.array(points[name], np.float64) for name in ("x", "y", "nx", "ny", "strength")}
+    made = {name: np.array(points[name], np.float64) for name in ("x", "y", "nx", "ny", "strength", "touching")}
     n = np.stack([points["nx"], points["ny"]], axis=1)
     for e in range(len(n)):
         dx, dy = points["x"] - points["x"][e], points["y"] - points["y"][e]
@@ -192,9 +195,16 @@ def fitted(points: dict[str, Any], sigma: float) -> dict[str, Any]:
         made["x"][e], made["y"][e] = points["x"][e] + a * n[e, 0], points["y"][e] + a * n[e, 1]
         made["nx"][e], made["ny"][e] = (n[e] - b * tangent) / np.hypot(1, b)
         whole = sigma * np.sqrt(2 * np.pi) * np.abs(n[e]).max()
+        made["touching"][e] = (w * points["touching"]).sum() / w.sum() if w.sum() > 0 else 0
         mean = w.sum() / g.sum()
         made["strength"][e] = smoothstep(0.3, 0.7, mean) * smoothstep(0.25, 0.55, g.sum() / whole)
     return points | made
+
+
+def between(points: dict[str, Any], width: float) -> dict[str, Any]:
+    """Return points in the far side by half a line's width, at most a pixel, where the sides touch."""
+    off = points["touching"] * min(width / 2, 1)
+    return points | {"x": points["x"] + off * points["nx"], "y": points["y"] + off * points["ny"]}
 
 
 def distance(points: dict[str, Any], height: int, width: int) -> tuple[Float64, Any]:
@@ -219,7 +229,7 @@ def silhouettes(
 ) -> tuple[Float64, Float64]:
     """Return the ink of each kind, (5, H, W), and the signed distance, (H, W)."""
     height, across = next(np.shape(each) for each in (depth, ids, material) if each is not None)
-    points = fitted(directed(edges(depth, ids, material, step)), sigma)
+    points = between(fitted(directed(edges(depth, ids, material, step)), sigma), width)
     d, which = distance(points, height, across)
     ink = np.zeros((5, height, across))
     for y, x in np.argwhere(which >= 0):

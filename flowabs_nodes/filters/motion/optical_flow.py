@@ -1,5 +1,10 @@
 """Motion of a plate that has no motion pass: dense inverse search (Kroeger et al. 2016), OpenCV's DIS.
 
+The ways to the frames before and after, p and n, are measured each with an error of its own. What moves evenly has
+p = -n, so half of what they differ by, d = p + n, is taken off both, the less the larger it is:
+
+    p - k d / 2,  n - k d / 2,   k = exp(-|d|^2 / (2 EVEN^2)).
+
 T. Kroeger, R. Timofte, D. Dai, L. Van Gool: Fast Optical Flow Using Dense Inverse Search, ECCV 2016.
 """
 
@@ -17,11 +22,14 @@ from flowabs_nodes.filters.gaussian_blur import blur
 from flowabs_nodes.filters.motion.convention import motion_of
 from flowabs_nodes.filters.opencv import MOTION_EXTRA, opencv
 
-#: How much smoother the flow is than OpenCV's presets make it, and how much longer it is refined (ultrafast's is not):
-#: on a render with noise that leaves a tenth less error, and a quarter less difference between two draws of the noise.
-FIRMER = 2
+#: DIS matches patches of so many pixels a side, so far apart; OpenCV's presets have 8 and 3 to 5. Larger ones stand
+#: noise better: lines of a window along them boil a tenth less. OpenCV has a border of 16 around, so no larger ones do.
+PATCH, STRIDE = 16, 5
+#: In pixels: by how much the ways to the frames before and after may differ where motion counts as even.
+EVEN = 1.0
 
-_SMALLEST = 16  # pixels a side that DIS works on; the border of a smaller picture is repeated
+#: Pixels a side of what DIS works on; a patch must fit at a quarter of its size. The border of less is repeated.
+_SMALLEST = 4 * PATCH
 
 
 def optical_flow(
@@ -71,7 +79,16 @@ def optical_flow(
         np.zeros((*shape, 2), np.float32) if frame is None else _flow(cv2, own, _to_8_bit(frame, pre_blur), preset)
         for frame in frames.values()
     ]
+    if before is not None and after is not None:
+        ways = _evened(*ways)
     return motion_of(*(way[: shape[0], : shape[1]] for way in ways))
+
+
+def _evened(previous: Array, following: Array) -> list[Array]:
+    """Return both ways without half of what keeps them from being even, where that is little."""
+    d = previous + following
+    half = 0.5 * d * np.exp((d * d).sum(axis=2, keepdims=True) * np.float32(-0.5 / EVEN**2))
+    return [previous - half, following - half]
 
 
 def _flow(cv2: Any, one: npt.NDArray[np.uint8], other: npt.NDArray[np.uint8], preset: str) -> Array:
@@ -82,14 +99,14 @@ def _flow(cv2: Any, one: npt.NDArray[np.uint8], other: npt.NDArray[np.uint8], pr
         "medium": cv2.DISOPTICAL_FLOW_PRESET_MEDIUM,
     }
     dis = cv2.DISOpticalFlow_create(presets[preset])
-    dis.setVariationalRefinementAlpha(FIRMER * dis.getVariationalRefinementAlpha())
-    dis.setVariationalRefinementIterations(FIRMER * dis.getVariationalRefinementIterations())
+    dis.setPatchSize(PATCH)
+    dis.setPatchStride(STRIDE)
     flow: Array = dis.calc(one, other, None)
     return flow
 
 
 def _to_8_bit(code: Array, pre_blur: float) -> npt.NDArray[np.uint8]:
-    """Return code values as OpenCV takes them, blurred, and of at least 16 pixels a side."""
+    """Return code values as OpenCV takes them, blurred, and of at least 64 pixels a side."""
     blurred = blur(code, pre_blur) if pre_blur > 0 else code
     missing = [(0, max(0, _SMALLEST - side)) for side in code.shape]
     return np.pad(np.clip(np.rint(blurred), 0, 255).astype(np.uint8), missing, mode="edge")

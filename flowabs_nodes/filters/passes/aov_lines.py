@@ -16,7 +16,7 @@ from flowabs_nodes.filters.passes.affine_depth import View, affine_depth, no_dep
 from flowabs_nodes.filters.passes.cracks import Passes, find_cracks
 from flowabs_nodes.filters.passes.creases import alone, find_creases, unit_normals
 from flowabs_nodes.filters.passes.draw import Pens, draw
-from flowabs_nodes.filters.passes.edges import edges_of, no_edges
+from flowabs_nodes.filters.passes.edges import between, edges_of, no_edges
 from flowabs_nodes.filters.passes.fit import directed, fitted
 from flowabs_nodes.filters.passes.id_borders import id_borders
 from flowabs_nodes.filters.passes.own_depth import own_depth
@@ -34,7 +34,7 @@ class AovLines(NamedTuple):
     crease: Array | None
     intersection: Array | None
     strength: Array | None  # 0 to 1: of the nearest edge, within 2 px
-    distance: Array | None  # px, to the nearest edge: positive on its near side; of a crease, to its middle
+    distance: Array | None  # px, to the nearest edge: positive where its ink lies; of a crease, to its middle
     flow: Array | None  # (H, W, 2)
 
 
@@ -64,9 +64,10 @@ def aov_lines(
 ) -> AovLines:
     """Return lines along the edges that a render's passes show: steady, of even width, whatever the light.
 
-    A line lies on the near side of its edge, a crease on both. Depth makes an edge where one surface lies before
-    another (``cracks.py``), ids wherever two objects meet, normals where a surface folds (``creases.py``). The edges'
-    pixel staircases become smooth lines by fitting straight pieces (``fit.py``).
+    A line lies on the near side of its edge; on both of a crease, and where two objects touch (``edges.py``). Depth
+    makes an edge where one surface lies before another (``cracks.py``), ids wherever two objects meet, normals where a
+    surface folds (``creases.py``). The edges' pixel staircases become smooth lines by fitting straight pieces
+    (``fit.py``).
 
     Parameters
     ----------
@@ -146,6 +147,7 @@ def aov_lines(
         found = alone(*find_creases(unit, crease_angle, crease_reach), edges)
         creases = fitted(directed(found, two_sided=True), sigma_m, two_sided=True)
 
+    edges = between(edges, width)
     measured = "strength" in outputs or "distance" in outputs
     apart = any(name in outputs for name in _KINDS)
     pens = Pens(width, crease_width)

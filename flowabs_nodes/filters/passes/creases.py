@@ -64,7 +64,7 @@ def find_creases(unit: Array, crease_angle: float, crease_reach: float) -> tuple
     rows = np.searchsorted(np.floor(table[:, 1]), np.arange(height + 1))
     zeros = np.zeros(len(table))
     x, y, nx, ny, strength, excess = (np.ascontiguousarray(column) for column in table.T)
-    return Edges(rows, x, y, nx, ny, strength, zeros, zeros, np.full(len(table), CREASE, np.int32)), excess
+    return Edges(rows, x, y, nx, ny, strength, zeros, zeros, zeros, np.full(len(table), CREASE, np.int32)), excess
 
 
 @kernel

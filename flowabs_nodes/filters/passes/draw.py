@@ -17,7 +17,8 @@ import numpy as np
 import numpy.typing as npt
 
 from flowabs_nodes.array_types import Array, Float64, Int32
-from flowabs_nodes.filters.passes.edges import CREASE, KINDS, Edges
+from flowabs_nodes.filters.passes.edges import CREASE, FARTHEST, KINDS, Edges
+from flowabs_nodes.filters.passes.near import MOVED
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined, kernel
 from flowabs_nodes.simd.lanes import LANES, absolute, any_lane, lane_indices, select, splat_ints, to_doubles, to_floats
@@ -167,7 +168,7 @@ def _nearest(
     sides, rows, length = squares.shape
     square_at, signed_at, which_at = address(squares.ravel(), 0), address(signed.ravel(), 0), address(which.ravel(), 0)
     most = _HALF + _SPREAD * reach
-    margin = math.ceil(math.hypot(reach, most)) + 2
+    margin = math.ceil(math.hypot(reach, most) + MOVED + FARTHEST) + 1
     lanes = to_doubles(to_floats(lane_indices()))
     for e in range(edges.rows[max(first - margin, 0)], edges.rows[min(last + margin, height)]):
         strength = edges.strength[e]

@@ -4,6 +4,10 @@ A depth crack's near side is that of its step. Between two ids, and between two 
 does not tell: the near side is found by a vote of all cracks of the same two, Gaussian sigma 3 px, each with its
 relative step. Where they touch, all cracks of the two in the picture decide, so that ink does not change sides halfway
 round an object, or else the higher id is the near one. Id 0 and the background never are.
+
+Where two touch, neither is in front, and a line belongs to both: its edge is moved outward by half its width, a pixel
+at most, so that on the way from a silhouette to a contact the line glides. How far they touch is 1 - smoothstep(0, 1,
+|vote|); but an object that is in front nearly all round, and touches in a spot, keeps its outline.
 """
 
 from __future__ import annotations
@@ -44,6 +48,10 @@ _VOTE = 3.0  # px, sigma
 _REACH = 9  # px
 _ROWS = _REACH + 2  # up and down from a crack's row
 _TIE_BREAK = 0.25  # what the whole picture counts beside a step of 1
+_IN_FRONT, _ALL_ROUND = 0.7, 0.9  # share of the cracks of two from which one outlines the other where they touch too
+
+#: How far an edge between two that touch is moved, in pixels.
+FARTHEST = 1.0
 
 
 class Edges(NamedTuple):
@@ -57,6 +65,7 @@ class Edges(NamedTuple):
     strength: Float64  # 0 to 1
     surface: Float64  # id of the near side
     depth: Float64  # u of the near side
+    touching: Float64  # 0 to 1: how far neither side is in front
     kind: Int32
 
 
@@ -65,13 +74,16 @@ def edges_of(cracks: Cracks, depth_step: float, has_depth: bool) -> Edges:
     table, rows = cracks
     made = new_edges(rows, len(table))
     xs = np.ascontiguousarray(table[:, X])
-    over_rows(_decide, len(rows) - 1, table, xs, _tie_breaks(table), depth_step, has_depth, made)
+    over_rows(_decide, len(rows) - 1, table, xs, *_in_all(table), depth_step, has_depth, made)
     return made
 
 
-def _tie_breaks(table: Float64) -> Float64:
-    """Return for each crack whether its second side (-1) or its first (1) is near in most of the picture."""
-    ties = np.zeros(len(table))
+def _in_all(table: Float64) -> tuple[Float64, Float64]:
+    """Return for each crack which of its two sides is near in most of the picture, the first (1) or the second (-1).
+
+    And how far lines lie between them where they touch: 1, 0 where one is in front nearly all round.
+    """
+    ties, touching = np.zeros(len(table)), np.zeros(len(table))
     for known_by in (ID, MATERIAL):
         own = table[:, KNOWN_BY] == known_by
         cracks = table[own]
@@ -81,7 +93,9 @@ def _tie_breaks(table: Float64) -> Float64:
         _, which = np.unique(pair, return_inverse=True)
         votes = np.bincount(which, weights=higher * np.where(cracks[:, BEHIND] == 0, cracks[:, NEARER], 0))
         ties[own] = np.where(votes[which] < 0, -1.0, 1.0) * higher
-    return ties
+        in_front = np.abs(votes) / np.maximum(np.bincount(which), 1)
+        touching[own] = np.clip((_ALL_ROUND - in_front) / (_ALL_ROUND - _IN_FRONT), 0, 1)[which]
+    return ties, touching
 
 
 def no_edges(height: int) -> Edges:
@@ -91,8 +105,14 @@ def no_edges(height: int) -> Edges:
 
 def new_edges(rows: Int64, count: int) -> Edges:
     """Return memory for ``count`` edges."""
-    x, y, nx, ny, strength, surface, depth = (np.empty(count) for _ in range(7))
-    return Edges(rows, x, y, nx, ny, strength, surface, depth, np.empty(count, np.int32))
+    x, y, nx, ny, strength, surface, depth, touching = (np.empty(count) for _ in range(8))
+    return Edges(rows, x, y, nx, ny, strength, surface, depth, touching, np.empty(count, np.int32))
+
+
+def between(edges: Edges, width: float) -> Edges:
+    """Return edges moved outward where their sides touch, so that a line of a width lies on both."""
+    off = edges.touching * min(width / 2, FARTHEST)
+    return edges._replace(x=edges.x + off * edges.nx, y=edges.y + off * edges.ny)
 
 
 @kernel
@@ -102,6 +122,7 @@ def _decide(
     table: Float64,
     xs: Float64,
     ties: Float64,
+    touching: Float64,
     depth_step: float,
     has_depth: bool,
     edges: Edges,
@@ -117,11 +138,13 @@ def _decide(
             crack = table[e]
             known_by, step, behind = crack[KNOWN_BY], crack[STEP], crack[BEHIND]
             steep = smoothstep(0.25 * depth_step, depth_step, abs(step))
-            strength, first_is_near, share = 1.0, step > 0, 1.0
+            strength, first_is_near, share, both = 1.0, step > 0, 1.0, 0.0
             if known_by == DEPTH:
                 strength = steep
             else:
                 vote, share = _vote(table, rows, xs, begins, top, e, depth_step, gauss)
+                if has_depth and behind == 0:
+                    both = touching[e] * (1 - smoothstep(0, 1, abs(vote)))
                 vote += _TIE_BREAK * ties[e]
                 first_is_near = behind > 0 if behind != 0 else vote >= 0
             side = 1.0 if first_is_near else -1.0
@@ -136,6 +159,7 @@ def _decide(
             edges.y[e] = crack[Y] + (1 - along_x) * crack[SHIFT]
             edges.nx[e], edges.ny[e] = side * along_x, side * (1 - along_x)
             edges.strength[e], edges.kind[e] = strength, kind
+            edges.touching[e] = both
             edges.surface[e] = crack[FIRST] if first_is_near else crack[SECOND]
             edges.depth[e] = crack[FIRST_DEPTH] if first_is_near else crack[SECOND_DEPTH]
 

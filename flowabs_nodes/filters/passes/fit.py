@@ -48,8 +48,8 @@ def fitted(edges: Edges, sigma_m: float, two_sided: bool = False) -> Edges:
     Strengths are averaged too, and become less where too little of a stroke is around. ``two_sided``: directions
     across the edge have no sign.
     """
-    x, y, nx, ny, strength = (np.empty_like(edges.x) for _ in range(5))
-    made = edges._replace(x=x, y=y, nx=nx, ny=ny, strength=strength)
+    x, y, nx, ny, strength, touching = (np.empty_like(edges.x) for _ in range(6))
+    made = edges._replace(x=x, y=y, nx=nx, ny=ny, strength=strength, touching=touching)
     over_rows(_fit, len(edges.rows) - 1, edges, max(sigma_m, _LEAST_SIGMA), two_sided, made)
     return made
 
@@ -108,7 +108,7 @@ def _fit(first: int, last: int, edges: Edges, sigma: float, two_sided: bool, mad
         top = begin_rows(rows, row, most, begins)
         for e in range(rows[row], rows[row + 1]):
             x, y, nx, ny = edges.x[e], edges.y[e], edges.nx[e], edges.ny[e]
-            count, w0, w1, w2, h0, h1 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+            count, w0, w1, w2, h0, h1, both = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
             for j in range(max(math.floor(y - reach - MOVED), 0), min(math.floor(y + reach + MOVED) + 1, height)):
                 for k in range(begin_at(begins, j - top, rows[j + 1], edges.x, x - reach), rows[j + 1]):
                     dx, dy = edges.x[k] - x, edges.y[k] - y
@@ -134,9 +134,11 @@ def _fit(first: int, last: int, edges: Edges, sigma: float, two_sided: bool, mad
                         h0 + w * h,
                         h1 + w * s * h,
                     )
+                    both += w * edges.touching[k]
             b = (w0 * h1 - w1 * h0) / (w0 * w2 - w1 * w1 + (_RIDGE * w0) ** 2) if w0 > 0 else 0.0
             a = (h0 - b * w1) / w0 if w0 > 0 else 0.0
             made.x[e], made.y[e] = x + a * nx, y + a * ny
+            made.touching[e] = both / w0 if w0 > 0 else 0.0
             size = math.sqrt(1 + b * b)
             made.nx[e], made.ny[e] = (nx + b * ny) / size, (ny - b * nx) / size  # n - b t, t = (-n.y, n.x)
             whole = sigma * math.sqrt(2 * math.pi) * max(abs(nx), abs(ny))  # the sum of g on a long line

@@ -16,7 +16,8 @@ from flowabs_nodes.filters.flow import gradient
 from flowabs_nodes.filters.flow.etf_passes import smooth
 from flowabs_nodes.filters.flow.fill import flow_fill
 from flowabs_nodes.filters.flow.footprint_sums import footprint_passes
-from flowabs_nodes.filters.passes.edges import Edges
+from flowabs_nodes.filters.passes.edges import FARTHEST, Edges
+from flowabs_nodes.filters.passes.near import MOVED
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import kernel
 
@@ -24,6 +25,7 @@ _STEEP = math.radians(15.0)  # of the normals' turn in a pixel: full strength
 _CERTAIN = 0.1  # of full strength: weaker bends, down to the noise of a flat face, lean on what is around
 _EDGE = 3.0  # what an edge counts
 _REACH = 3  # px, of its Gaussian
+_ROWS = math.ceil(_REACH + MOVED + FARTHEST) + 1  # where edges are looked for
 _LEAST = 0.001  # strength that counts: no tensor is so small that it becomes 0
 _INSTEAD = 4.0  # how fast the normals' part fades beside an edge
 
@@ -48,7 +50,7 @@ def _with_edges(first: int, last: int, edges: Edges, tangent: Array, magnitude: 
     tensor = np.zeros(((last - first) * width, 3), np.float32)
     across = np.empty(2 * _REACH + 1)  # the Gaussian along a row
     beside, count = np.empty((last - first) * width, np.int64), 0  # the pixels that have a tensor
-    for e in range(edges.rows[max(first - _REACH - 2, 0)], edges.rows[min(last + _REACH + 2, height)]):
+    for e in range(edges.rows[max(first - _ROWS, 0)], edges.rows[min(last + _ROWS, height)]):
         px, py, nx, ny = edges.x[e], edges.y[e], edges.nx[e], edges.ny[e]
         if edges.strength[e] < _LEAST:
             continue

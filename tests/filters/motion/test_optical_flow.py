@@ -17,21 +17,32 @@ def view(dx=0, dy=0):
 
 
 def test_finds_where_pixels_come_from_and_go_to():
-    motion = optical_flow(view(), before=view(-3, 2), after=view(4, -1))
+    motion = optical_flow(view(), before=view(-3, 2), after=view(6, -4))
     assert motion.shape == (80, 100, 4)
-    # Before, everything was 3 to the left and 2 further down; after, it is 4 to the right and 1 further up. y is up.
-    expected = [-3, -2, -4, -1]
+    # Before, everything was 3 to the left and 2 further down; after, it is 6 to the right and 4 further up. y is up.
+    expected = [-3, -2, -6, -4]
     np.testing.assert_allclose(np.median(motion[10:-10, 10:-10], axis=(0, 1)), expected, atol=0.05)
     assert np.abs(motion[15:-15, 15:-15] - expected).mean() < 0.1
 
 
 def test_towards_a_frame_that_is_not_there_it_is_0():
-    first, last = optical_flow(view(), after=view(4, -1)), optical_flow(view(), before=view(-3, 2))
+    first, last = optical_flow(view(), after=view(6, -4)), optical_flow(view(), before=view(-3, 2))
     assert not first[..., :2].any()
     assert not last[..., 2:].any()
-    both = optical_flow(view(), before=view(-3, 2), after=view(4, -1))
-    assert np.array_equal(both, np.concatenate([last[..., :2], first[..., 2:]], axis=2))
     assert not optical_flow(view()).any()
+
+
+def test_what_moves_about_evenly_is_taken_to_move_evenly():
+    def ways(dx, dy):
+        """Return the motion, and that of each way alone, where everything goes on by (dx, dy)."""
+        before, after = view(-3, 2), view(dx, dy)
+        alone = optical_flow(view(), before) + optical_flow(view(), after=after)
+        return optical_flow(view(), before, after), alone
+
+    motion, alone = ways(3, -2)
+    assert np.abs(motion[..., :2] - motion[..., 2:]).mean() < 0.2 * np.abs(alone[..., :2] - alone[..., 2:]).mean()
+    motion, alone = ways(7, -5)  # so far apart is no mistake
+    assert np.abs(motion - alone)[20:-20, 20:-20].max() < 1e-3
 
 
 @pytest.mark.parametrize("preset", ["ultrafast", "fast", "medium"])

@@ -102,19 +102,36 @@ def test_an_object_before_another_and_one_that_touches_it():
     assert inked(filters.aov_lines(id=ids)) == {"object"}  # without depth nobody knows whether they touch
 
 
-def test_a_box_on_a_floor_is_drawn_inside_all_round():
+def test_a_box_on_a_floor_is_drawn_inside_and_on_both_where_they_touch():
     y, x = grid()
     floor, face = 0.02 + 0.004 * y, 0.02 + 0.004 * 30.5  # they touch at y = 30.5
-    box = (y > 8) & (y < 30.5) & (x > 14) & (x < 40)
+    box = (y > 18) & (y < 30.5) & (x > 14) & (x < 40)
     depth, ids = 1 / np.where(box, face, floor), np.where(box, 2, 9).astype(np.uint32)
-    made = filters.aov_lines(depth, id=ids)
-    assert inked(made) == {"object", "intersection"}
-    ink = 1 - made.lines
-    assert ink[~box].sum() < 0.15 * ink.sum()
-    assert made.intersection[28:31, 18:36].min() >= 0
-    assert made.intersection[29:31, 18:36].max(axis=0).min() > 0.9
-    assert made.object[:20].sum() > 0
-    assert made.intersection[:20].sum() == 0
+    for width, below in ((1.5, 0.5), (4.0, 0.25)):
+        made = filters.aov_lines(depth, id=ids, width=width)
+        assert inked(made) == {"object", "intersection"}
+        ink = 1 - made.lines
+        around = box | (y > 29)  # but for the corners of the contact
+        assert ink[~around].sum() < 0.1 * ink.sum()
+        contact = ink[27:34, 22:32].sum(axis=1)
+        assert contact.sum() == pytest.approx(10 * width, rel=0.02)
+        assert contact[4:].sum() == pytest.approx(below * contact.sum(), rel=0.1)
+        assert made.object[:22].sum() > 0
+        assert made.intersection[:22].sum() == 0
+        # On the way there is no step: from column to column the middle of the line moves little.
+        line = ink[26:36, 15:39]
+        middle = (line * y[26:36, 15:39]).sum(axis=0) / line.sum(axis=0)
+        assert np.abs(np.diff(middle[4:-4])).max() < 0.2
+
+
+def test_what_touches_in_a_spot_keeps_its_outline():
+    y, x = grid()
+    floor = 0.02 + 0.004 * y
+    ball = (y - 20) ** 2 + (x - 30.3) ** 2 < 12.4**2
+    lowest = 0.02 + 0.004 * 32.6  # as far as the floor below it
+    depth, ids = 1 / np.where(ball, lowest, floor), np.where(ball, 2, 9).astype(np.uint32)
+    ink = 1 - filters.aov_lines(depth, id=ids).lines
+    assert ink[~ball].sum() < 0.1 * ink.sum()
 
 
 def test_materials_within_an_object_and_where_it_folds_over_itself():
