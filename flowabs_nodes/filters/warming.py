@@ -19,6 +19,7 @@ _SWITCHED_ON: dict[str, Any] = {
     "soft_lines": 1.0,
     "evidence": 1.0,
     "thin_lines": 4.5,
+    "lone_lines": 6.0,
     "working_scale": "1/2",
     "by_gradient": 1.0,
     "min_length": 4.0,
@@ -32,7 +33,7 @@ def warm_up(*names: str) -> None:
     """Run filters once on a small picture, with default parameters, so that their first use takes no longer.
 
     What the options of the graphs that come with the package need is made ready too, though they are off by default:
-    soft outlines, thin lines, evidence, a working scale, steps by the gradient, a stroke's length, a window's guide and
+    soft outlines, thin and lone lines, evidence, a working scale, steps by the gradient, a stroke's length, a window's guide and
     depth, edges from passes, boil.
 
     A program calls it before it starts threads, and before it forks: children share what is loaded, and none of them

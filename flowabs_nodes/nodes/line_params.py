@@ -202,6 +202,19 @@ ALONG_FLOW = (
         help="How much ink needs more ink along a longer stretch of the flow: specks and texture fade; 0 is off.",
     ),
     Param.float(
+        "lone_lines",
+        0.0,
+        min=0,
+        max=1000,
+        soft=(0, 12),
+        label="Lone faint lines",
+        group="Response",
+        enabled_when=PAPER_FORM,
+        help="How many times its own strength a faint line gains where no other ink is near: a tower in haze, a cable. "
+        "Texture and noise gain nothing. 0 is off.",
+        later=True,
+    ),
+    Param.float(
         "smooth",
         0.0,
         min=0,

@@ -131,15 +131,17 @@ def run_fdog(
     *,
     color_weight: float,
     evidence: float,
+    lone_lines: float,
     smooth: float,
     ground: float,
     space: str,
     **fdog: Any,
 ) -> dict[str, Image]:
-    color_weight, evidence = (0.0, 0.0) if fdog["form"] == "xdog" else (color_weight, evidence)
+    if fdog["form"] == "xdog":
+        color_weight = evidence = lone_lines = 0.0
     code = code_values(image, space, ground, color_weight)
-    respond = partial(filters.fdog, code, flow.pixels, color_weight=color_weight, evidence=evidence)
-    lines, response = draw(respond, **fdog)
+    weights = {"color_weight": color_weight, "evidence": evidence, "lone_lines": lone_lines}
+    lines, response = draw(partial(filters.fdog, code, flow.pixels, **weights), **fdog)
     return outputs(image, smoothed(lines, flow, smooth, fdog["sampling"], fdog["working_scale"]), response, mask)
 
 
@@ -170,7 +172,8 @@ def _fdog_halo(params: Mapping[str, Any]) -> int:
 def _halo_after(params: Mapping[str, Any], factor: int, pre_blur: float = 0.0) -> int:
     """Return the halo of what follows the response in both nodes."""
     factor = max(factor, evidence_factor(params["working_scale"], params["sigma_c"], pre_blur))
-    return halo.evidence(params["sigma_m"], params["evidence"], factor) + halo.flow_blur(params["smooth"])
+    looked_for = max(params["evidence"], params["lone_lines"])
+    return halo.evidence(params["sigma_m"], looked_for, factor) + halo.flow_blur(params["smooth"])
 
 
 FDOG = Node(

@@ -23,6 +23,7 @@ FILTERS = {
     "fdog of colours that count most": lambda picture: filters.fdog(picture, FLOW, color_weight=1e6),
     "fdog by evidence": lambda picture: filters.fdog(picture, FLOW, color_weight=0.5, evidence=1.0),
     "fdog of lightness by evidence": lambda picture: filters.fdog(grey(picture), FLOW, evidence=0.5),
+    "fdog with lone lines": lambda picture: filters.fdog(picture, FLOW, color_weight=0.5, lone_lines=9.0),
     "fdog, full": lambda picture: filters.fdog(grey(picture), FLOW, kernel="full"),
     "fdog, iterative": lambda picture: filters.fdog_iterative(picture, FLOW, color_weight=0.5)[1],
     "fdog with soft lines": lambda picture: filters.fdog(picture, FLOW, color_weight=1.0, soft_lines=1.0),

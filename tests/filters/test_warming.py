@@ -30,6 +30,7 @@ def test_every_filter_can_be_warmed_up():
         ("fdog", "evidence"),
         ("fdog", "soft_lines"),
         ("fdog", "thin_lines"),
+        ("fdog", "lone_lines"),
         ("quantize", "by_gradient"),
         ("stroke", "min_length"),
         ("motion_window", "depths"),

@@ -40,14 +40,15 @@ def fdog(
     color_sign=False,
     evidence=0.0,
     missing=0.0,
+    lone_lines=0.0,
 ):
     """Return H by eqs. 10 and 11 ("separable") or eq. 6 ("full"); of (H, W, 3) also with the responses of colour.
 
     ``missing``, a number or of the shape of the code, is added to the sums across the flow.
     """
-    if evidence > 0:
+    if evidence > 0 or lone_lines > 0:
         h = fdog(code, flow, sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign, missing=missing)
-        return by_evidence(h, np.asarray(flow, np.float64), sigma_m, evidence)
+        return by_evidence(h, np.asarray(flow, np.float64), sigma_m, evidence, lone_lines)
     code, flow = np.asarray(code, np.float64), np.asarray(flow, np.float64)
     if code.ndim == 3:
         lack = np.broadcast_to(missing, code.shape)
@@ -85,11 +86,13 @@ def _joined(d_l: Float64, m_a: Float64, m_b: Float64, color_sign: bool) -> Float
     return np.hypot(d_l, m_c) * sign
 
 
-def by_evidence(h: Float64, flow: Float64, sigma_m: float, evidence: float) -> Float64:
-    """Return H, weaker where it is below 0 and not so along a three times longer stretch of the flow."""
+def by_evidence(h: Float64, flow: Float64, sigma_m: float, evidence: float, lone: float = 0.0) -> Float64:
+    """Return H, where it is below 0 weaker if little ink lies along a longer stretch, stronger if little is around."""
     n = np.maximum(-h, 0)
     b = along(n, flow, 3 * sigma_m, "nearest")
-    return np.where(h < 0, -np.minimum(n, n ** (1 - evidence / 2) * b ** (evidence / 2)), h)
+    a = blur(n, 3 * sigma_m)
+    gain = 1 + lone * np.maximum(1 - a / (0.3 * np.maximum(b, 1e-6)), 0) / (1 + a / 0.1)
+    return np.where(h < 0, -np.minimum(n, n ** (1 - evidence / 2) * b ** (evidence / 2)) * gain, h)
 
 
 def smoothstep(low: float, high: float, x: Float64) -> Float64:
@@ -111,14 +114,23 @@ def threshold(response, tau=0.5, contrast=None, softness=0.0):
 
 
 def fdog_iterative(
-    code, flow, iterations, pre_blur=0.0, tau=0.5, contrast=None, softness=0.0, evidence=0.0, **parameters
+    code,
+    flow,
+    iterations,
+    pre_blur=0.0,
+    tau=0.5,
+    contrast=None,
+    softness=0.0,
+    evidence=0.0,
+    lone_lines=0.0,
+    **parameters,
 ):
     """Draw lines by section 3.2: each pass filters the picture with the last pass's ink over it."""
     code = np.asarray(code, np.float64)
     image = code
     for each in range(iterations):
-        e = evidence if each == iterations - 1 else 0
-        response = fdog(blur(image, pre_blur), flow, evidence=e, **parameters)
+        e, lone = (evidence, lone_lines) if each == iterations - 1 else (0, 0)
+        response = fdog(blur(image, pre_blur), flow, evidence=e, lone_lines=lone, **parameters)
         lines = threshold(response, tau, contrast, softness)
         image = code * (lines if code.ndim == 2 else lines[..., None])
     return lines, response

@@ -122,10 +122,14 @@ def picture(name: str, lines: int | None = LINES) -> Image:
 
 
 def under_noise(plate: Image, draw: int, sigma: float = NOISE) -> Image:
-    """Add Gaussian noise to each channel of the plate, sigma in 8-bit display values, without rounding or clipping."""
-    codes = srgb.encoded(plate.pixels)
+    """Add Gaussian noise to each channel of colour, sigma in 8-bit display values, without rounding or clipping.
+
+    Alpha stays: noise there would let through light from behind the plate, far above what its dark parts have.
+    """
+    codes = srgb.encoded(np.ascontiguousarray(plate.pixels[..., :3]))
     noise = np.random.default_rng(draw).standard_normal(codes.shape).astype(np.float32)
-    return Image.from_array(srgb.linear(codes + np.float32(sigma / 255) * noise), plate.colorspace)
+    pixels = srgb.linear(codes + np.float32(sigma / 255) * noise)
+    return Image.from_array(np.concatenate([pixels, plate.pixels[..., 3:]], axis=2), plate.colorspace)
 
 
 def steadiness_of_lines(method: Method, plate: Image) -> Steadiness:

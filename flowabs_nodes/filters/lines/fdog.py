@@ -14,7 +14,7 @@ from flowabs_nodes.filters import gaussian, validate
 from flowabs_nodes.filters.flow.flow_blur import along, as_planes
 from flowabs_nodes.filters.flow.flow_resolution import Flows, reduced_flow
 from flowabs_nodes.filters.lines.dog_line import across
-from flowabs_nodes.filters.lines.evidence import stretch, weakened
+from flowabs_nodes.filters.lines.evidence import Evidence, Found
 from flowabs_nodes.filters.lines.join_channels import join_channels
 from flowabs_nodes.filters.lines.soft_edges import SoftEdges
 from flowabs_nodes.filters.lines.thin_lines import ThinLines
@@ -45,6 +45,7 @@ def fdog(
     soft_lines: float = 0.0,
     soft_reach: float = 7.0,
     thin_lines: float = 0.0,
+    lone_lines: float = 0.0,
     working_scale: str = "full",
 ) -> Array:
     """Return the response H of the FDoG filter, eqs. 6-8, 10, 11: below 0 on dark lines and on the dark side of edges.
@@ -91,6 +92,9 @@ def fdog(
     thin_lines
         Width in pixels, 0 to 10,000, up to which a bright line that is alone gets one line on its middle rather than
         one along each side (:mod:`~flowabs_nodes.filters.lines.thin_lines`). 0 leaves bright lines as they are.
+    lone_lines
+        0 to 1000: how many times its own strength a faint line gains where it is alone, up to as far as evidence looks.
+        0 leaves H as it is.
     working_scale
         The size of the picture that is worked on: "full"; "1/2" or "1/4" of its width and height, sigmas to match, the
         responses of the channels brought back up; or "auto": 1/2 where it leaves ``sigma_c`` at least 2 pixels, 1/4
@@ -109,7 +113,7 @@ def fdog(
     code = validate.plane_or_planes("code", code, summed=True)
     flow = validate.flow_field(flow, code.shape)
     detector = Detector.checked(sigma_m, sigma_c, rho, color_weight, kernel, sampling, color_sign, working_scale)
-    evidence = validate.number("evidence", evidence, min=0, max=1)
+    weighing = Evidence.checked(evidence, lone_lines)
     soft = SoftEdges.checked(
         soft_lines,
         soft_reach,
@@ -124,7 +128,7 @@ def fdog(
     missing = None if soft is None else soft.missing(planes, flows)
     if thin is not None:
         missing = thin.added(missing, planes, flows)
-    return detector.response(planes, flows, code.shape[:2], missing, evidence)
+    return detector.response(planes, flows, code.shape[:2], missing, weighing)
 
 
 @dataclass(frozen=True)
@@ -189,7 +193,7 @@ class Detector:
         flows: Flows,
         size: tuple[int, ...],
         missing: Array | None = None,
-        evidence: float = 0.0,
+        evidence: Evidence | None = None,
     ) -> Array:
         """Return H, (H, W), of planes (C, h, w) of code values and the flow of the size that is worked on.
 
@@ -209,14 +213,14 @@ class Detector:
             responses = along(sums, flow, self.weights, self.sampling)  # eq. 11
             del sums
         at_work = size == responses.shape[1:]
-        if at_work or evidence > 0:
+        if at_work or evidence is not None:
             joined = self._joined(responses)
-        if at_work and evidence == 0:
+        if at_work and evidence is None:
             return joined
         if at_work:
             del responses  # whose memory serves what follows
-        if evidence > 0:
-            found = stretch(joined, flows, self.sigma_m, self.evidence_factor // self.factor)
+        if evidence is not None:
+            found = evidence.found(joined, flows, self.sigma_m, self.evidence_factor // self.factor)
         response = np.empty(size, np.float32)
 
         def band(first: int, last: int) -> None:
@@ -224,9 +228,9 @@ class Detector:
             with limited(1):  # the bands are what threads share
                 brought_up = partial(enlarged, height=size[0], width=size[1], first=first, last=last)
                 rows = joined[first:last] if at_work else self._joined(brought_up(responses, self.factor))
-                if evidence > 0:
-                    ink, along_it = (brought_up(plane[None], self.evidence_factor)[0] for plane in found)
-                    rows = weakened(rows, ink, along_it, evidence)
+                if evidence is not None:
+                    planes = (None if p is None else brought_up(p[None], self.evidence_factor)[0] for p in found)
+                    rows = evidence.weighed(rows, Found(*planes))
                 response[first:last] = rows
 
         over_rows(band, size[0])

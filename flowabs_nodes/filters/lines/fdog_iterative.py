@@ -13,6 +13,7 @@ from flowabs_nodes.array_types import Array
 from flowabs_nodes.choices import FORMS
 from flowabs_nodes.filters import gaussian, validate
 from flowabs_nodes.filters.gaussian_blur import separable
+from flowabs_nodes.filters.lines.evidence import Evidence
 from flowabs_nodes.filters.lines.fdog import Detector
 from flowabs_nodes.filters.lines.soft_edges import SoftEdges
 from flowabs_nodes.filters.lines.thin_lines import ThinLines
@@ -44,6 +45,7 @@ def fdog_iterative(
     soft_lines: float = 0.0,
     soft_reach: float = 7.0,
     thin_lines: float = 0.0,
+    lone_lines: float = 0.0,
     working_scale: str = "full",
 ) -> tuple[Array, Array]:
     """Draw lines by several passes of FDoG: each pass filters the original picture with the last pass's ink over it.
@@ -70,9 +72,9 @@ def fdog_iterative(
         Sigma in pixels, 0 to 10,000, of a Gaussian blur of the picture that each pass filters.
     form, p, epsilon, phi
         "paper", or "xdog" for the lines of :func:`~flowabs_nodes.filters.xdog`: then p, epsilon and phi take the place
-        of rho, tau, contrast and softness, and ``evidence`` counts as 0.
-    evidence
-        As the parameter of :func:`~flowabs_nodes.filters.fdog`, in the last pass alone: the ink of the others joins
+        of rho, tau, contrast and softness, and ``evidence`` and ``lone_lines`` count as 0.
+    evidence, lone_lines
+        As the parameters of :func:`~flowabs_nodes.filters.fdog`, in the last pass alone: the ink of the others joins
         what belongs together, and finds it evidence.
 
     Returns
@@ -106,6 +108,7 @@ def fdog_iterative(
         soft_lines,
         soft_reach,
         thin_lines,
+        lone_lines,
         working_scale,
     )
     return passes.draw(code, flow)
@@ -121,7 +124,7 @@ class Passes:
     lines_of: Callable[[Array], tuple[Array, Array]]  # a response H: lines, and the response that they come from
     iterations: int
     pre_blur: float  # sigma in pixels of the size that is worked on
-    evidence: float
+    evidence: Evidence | None
 
     @classmethod
     def checked(
@@ -146,6 +149,7 @@ class Passes:
         soft_lines: float,
         soft_reach: float,
         thin_lines: float,
+        lone_lines: float,
         working_scale: str,
     ) -> Passes:
         """Return the passes with the parameters of :func:`fdog_iterative`; raise ArgumentError for a bad one."""
@@ -174,12 +178,12 @@ class Passes:
             working_scale=working_scale,
             factor=detector.factor,
         )
-        evidence = 0.0 if is_xdog else validate.number("evidence", evidence, min=0, max=1)
+        weighing = Evidence.checked(*((0.0, 0.0) if is_xdog else (evidence, lone_lines)))
         if is_xdog:
             lines_of = partial(xdog, p=p, epsilon=epsilon, phi=phi)
         else:
             lines_of = partial(_below, tau=tau, contrast=contrast, softness=softness)
-        return cls(detector, soft, thin, lines_of, iterations, pre_blur / detector.factor, evidence)
+        return cls(detector, soft, thin, lines_of, iterations, pre_blur / detector.factor, weighing)
 
     def draw(self, code: npt.ArrayLike, flow: npt.ArrayLike) -> tuple[Array, Array]:
         """Return what :func:`fdog_iterative` does. Of ``code`` nothing is held once it is reduced or laid out."""
