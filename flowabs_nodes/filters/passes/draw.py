@@ -93,10 +93,10 @@ def _draw(
     # picture is near nothing: memory is only looked at in tiles that are near something. Rows are longer by a vector.
     shape, tiles = (last - first, width + LANES), (last - first, width // _TILE + 1)
     near, folded = np.zeros(tiles, np.bool_), np.zeros(tiles, np.bool_)
-    squares, signed, which = np.empty((2, *shape)), np.empty((2, *shape)), np.empty((2, *shape), np.int32)
-    _nearest(first, last, edges, width, reach, False, near, squares, signed, which)
-    crease_squares, unsigned, crease = np.empty((1, *shape)), np.empty((1, *shape)), np.empty((1, *shape), np.int32)
-    _nearest(first, last, creases, width, crease_reach, True, folded, crease_squares, unsigned, crease)
+    squares, which = np.empty((2, *shape)), np.empty((2, *shape), np.int32)
+    _nearest(first, last, edges, width, reach, False, near, squares, which)
+    crease_squares, crease = np.empty((1, *shape)), np.empty((1, *shape), np.int32)
+    _nearest(first, last, creases, width, crease_reach, True, folded, crease_squares, crease)
     for y in range(first, last):
         j = y - first
         for tile in range(tiles[1]):
@@ -115,7 +115,8 @@ def _draw(
                     # Where lines meet, a pixel beyond the one's edge is on the other.
                     own, other = (inner, outer) if side == 0 else (outer, inner)
                     if own < np.inf and own <= other + _BOTH:
-                        e, d = which[side, j, x], signed[side, j, x]
+                        e = which[side, j, x]
+                        d = _across(edges, e, x, y)
                         ink = edges.strength[e] * min(max(min(d, pens.width - d) + 0.5, 0.0), 1.0)
                         if apart:
                             drawing.kinds[edges.kind[e], y, x] = max(ink, drawing.kinds[edges.kind[e], y, x])
@@ -123,7 +124,8 @@ def _draw(
                         if own < other or side == 0:
                             nearest, strength = d, edges.strength[e]
                 if fold < np.inf:
-                    d, s = abs(unsigned[0, j, x]), creases.strength[crease[0, j, x]]
+                    e = crease[0, j, x]
+                    d, s = abs(_across(creases, e, x, y)), creases.strength[e]
                     ink = s * min(max(pens.crease_width / 2 - d + 0.5, 0.0), 1.0)
                     if apart:
                         drawing.kinds[CREASE, y, x] = ink
@@ -134,6 +136,13 @@ def _draw(
                 if measured:
                     drawing.distance[y, x] = min(max(nearest, -FAR), FAR)
                     drawing.strength[y, x] = strength * min(max((_FADED - abs(nearest)) / (_FADED - _BAND), 0.0), 1.0)
+
+
+@inlined
+def _across(edges: Edges, e: int, x: int, y: int) -> float:
+    """Return d of a pixel, by a point of an edge."""
+    d: float = (edges.x[e] - x) * edges.nx[e] + (edges.y[e] - y) * edges.ny[e]
+    return d
 
 
 @inlined
@@ -155,17 +164,16 @@ def _nearest(
     two_sided: bool,
     near: npt.NDArray[np.bool_],
     squares: Float64,
-    signed: Float64,
     which: Int32,
 ) -> None:
-    """Write d and the index of the nearest point, within ``reach``, of each pixel of the rows first .. last - 1.
+    """Write the index of the nearest point, within ``reach``, of each pixel of the rows first .. last - 1.
 
     In layer 0 of the results is the nearest one with d >= 0, or of all if ``two_sided``; in layer 1 that with d < 0.
     They are written in tiles that are ``near`` something alone; where in these nothing is, squares are infinite.
     """
     height = edges.rows.size - 1
     sides, rows, length = squares.shape
-    square_at, signed_at, which_at = address(squares.ravel(), 0), address(signed.ravel(), 0), address(which.ravel(), 0)
+    square_at, which_at = address(squares.ravel(), 0), address(which.ravel(), 0)
     most = _HALF + _SPREAD * reach
     margin = math.ceil(math.hypot(reach, most)) + 2
     lanes = to_doubles(to_floats(lane_indices()))
@@ -195,15 +203,15 @@ def _nearest(
                 square = d * d + s * s
                 within = (square <= reach * reach) & (absolute(s) <= _HALF + _SPREAD * absolute(d))
                 for side in range(sides):
-                    at = (side * rows + y - first) * length + x
-                    before = load(square_at, at)
-                    nearer = within & (square + weaker < before)
+                    nearer = within
                     if not two_sided:
                         nearer = nearer & ((d >= 0.0) if side == 0 else (d < 0.0))
-                    if any_lane(nearer):
-                        store(square_at, at, select(nearer, square + weaker, before))
-                        store(signed_at, at, select(nearer, d, load(signed_at, at)))
-                        store(which_at, at, select(nearer, splat_ints(e), load(which_at, at)))
+                    if not any_lane(nearer):
+                        continue
+                    at = (side * rows + y - first) * length + x
+                    before = load(square_at, at)
+                    nearer = nearer & (square + weaker < before)
+                    store(square_at, at, select(nearer, square + weaker, before))
+                    store(which_at, at, select(nearer, splat_ints(e), load(which_at, at)))
     keep(squares)
-    keep(signed)
     keep(which)
