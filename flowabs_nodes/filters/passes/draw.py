@@ -146,12 +146,9 @@ def _across(edges: Edges, e: int, x: int, y: int) -> float:
 
 
 @inlined
-def _between(slope: float, value: float, most: float) -> tuple[float, float]:
-    """Return the ends of the interval of t in which |value + slope t| is at most ``most``, at most 1e6 away."""
-    if abs(slope) < 1e-6:
-        return (-1e6, 1e6) if abs(value) <= most else (1.0, -1.0)
-    middle, half = -value / slope, most / abs(slope)
-    return max(middle - half, -1e6), min(middle + half, 1e6)
+def _span(slope: float, most: float) -> tuple[float, float]:
+    """Return 1 / ``slope``, and by how much t may change where slope t is to change by ``most``; 0 and 1e6 if by any."""
+    return (1 / slope, most / abs(slope) + 1e-9) if abs(slope) > 1e-6 else (0.0, 1e6)
 
 
 @inlined
@@ -183,14 +180,14 @@ def _nearest(
             continue
         px, py, nx, ny = edges.x[e], edges.y[e], edges.nx[e], edges.ny[e]
         weaker = (_WEAKER * (1 - strength)) ** 2
-        high = abs(ny) * reach + abs(nx) * most
-        for y in range(max(first, math.ceil(py - high)), min(last, math.floor(py + high) + 1)):
+        tall = abs(ny) * reach + abs(nx) * most
+        (per_d, wide), (per_s, long) = _span(nx, reach), _span(ny, most)
+        for y in range(max(first, math.ceil(py - tall)), min(last, math.floor(py + tall) + 1)):
             dy = py - y
-            # |dx nx + dy ny| <= reach and |dy nx - dx ny| <= most hold for dx from here to there.
-            low, top = _between(nx, dy * ny, reach)
-            low2, top2 = _between(ny, -dy * nx, most)
-            left, right = px - min(top, top2), px - max(low, low2)
-            begin, end = max(0, math.ceil(left)), min(width, math.floor(right) + 1)
+            # |dx nx + dy ny| <= reach and |dy nx - dx ny| <= most hold for dx from low to high, and for little else.
+            low = max(-dy * ny * per_d - wide, dy * nx * per_s - long)
+            high = min(-dy * ny * per_d + wide, dy * nx * per_s + long)
+            begin, end = max(0, math.ceil(px - high)), min(width, math.floor(px - low) + 1)
             if begin >= end:
                 continue
             for tile in range(begin // _TILE, (end - 1) // _TILE + 1):
