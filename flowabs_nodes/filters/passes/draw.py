@@ -147,7 +147,7 @@ def _across(edges: Edges, e: int, x: int, y: int) -> float:
 
 @inlined
 def _span(slope: float, most: float) -> tuple[float, float]:
-    """Return 1 / ``slope``, and by how much t may change where slope t is to change by ``most``; 0 and 1e6 if by any."""
+    """Return 1 / ``slope``, and by how much t may change where slope t is to change by ``most``; 0, 1e6 if by any."""
     return (1 / slope, most / abs(slope) + 1e-9) if abs(slope) > 1e-6 else (0.0, 1e6)
 
 
