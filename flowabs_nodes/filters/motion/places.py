@@ -132,8 +132,12 @@ def corner_pairs(pairs: Pairs, at: Place) -> tuple[Floats, Floats, Floats, Float
 
 
 def rows_of_triples(picture: Array, raster: Raster) -> Array:
-    """Return a picture (H, W, 3) flattened, its rows padded, for :func:`corner_triples`; a row alone is there twice."""
-    flat = padded_rows(picture, raster).reshape(-1)
+    """Return a picture (H, W, 3) flattened, its rows padded, for :func:`corner_triples`.
+
+    A row, or a column, that is alone has itself beside it.
+    """
+    rows = np.repeat(picture, raster.stride, axis=1) if raster.width == 1 else padded_rows(picture, raster)
+    flat = rows.reshape(-1)
     return flat if raster.height > 1 else np.concatenate([flat, flat])
 
 

@@ -94,10 +94,10 @@ def _draw(
     # picture is near nothing: memory is only looked at in tiles that are near something. Rows are longer by a vector.
     shape, tiles = (last - first, width + LANES), (last - first, width // _TILE + 1)
     near, folded = np.zeros(tiles, np.bool_), np.zeros(tiles, np.bool_)
-    squares, signed, which = np.empty((2, *shape)), np.empty((2, *shape)), np.empty((2, *shape), np.int32)
-    _nearest(first, last, edges, width, reach, False, near, squares, signed, which)
-    crease_squares, unsigned, crease = np.empty((1, *shape)), np.empty((1, *shape)), np.empty((1, *shape), np.int32)
-    _nearest(first, last, creases, width, crease_reach, True, folded, crease_squares, unsigned, crease)
+    squares, which = np.empty((2, *shape)), np.empty((2, *shape), np.int32)
+    _nearest(first, last, edges, width, reach, False, near, squares, which)
+    crease_squares, crease = np.empty((1, *shape)), np.empty((1, *shape), np.int32)
+    _nearest(first, last, creases, width, crease_reach, True, folded, crease_squares, crease)
     for y in range(first, last):
         j = y - first
         for tile in range(tiles[1]):
@@ -116,7 +116,8 @@ def _draw(
                     # Where lines meet, a pixel beyond the one's edge is on the other.
                     own, other = (inner, outer) if side == 0 else (outer, inner)
                     if own < np.inf and own <= other + _BOTH:
-                        e, d = which[side, j, x], signed[side, j, x]
+                        e = which[side, j, x]
+                        d = _across(edges, e, x, y)
                         ink = edges.strength[e] * min(max(min(d, pens.width - d) + 0.5, 0.0), 1.0)
                         if apart:
                             drawing.kinds[edges.kind[e], y, x] = max(ink, drawing.kinds[edges.kind[e], y, x])
@@ -124,7 +125,8 @@ def _draw(
                         if own < other or side == 0:
                             nearest, strength = d, edges.strength[e]
                 if fold < np.inf:
-                    d, s = abs(unsigned[0, j, x]), creases.strength[crease[0, j, x]]
+                    e = crease[0, j, x]
+                    d, s = abs(_across(creases, e, x, y)), creases.strength[e]
                     ink = s * min(max(pens.crease_width / 2 - d + 0.5, 0.0), 1.0)
                     if apart:
                         drawing.kinds[CREASE, y, x] = ink
@@ -138,12 +140,16 @@ def _draw(
 
 
 @inlined
-def _between(slope: float, value: float, most: float) -> tuple[float, float]:
-    """Return the ends of the interval of t in which |value + slope t| is at most ``most``, at most 1e6 away."""
-    if abs(slope) < 1e-6:
-        return (-1e6, 1e6) if abs(value) <= most else (1.0, -1.0)
-    middle, half = -value / slope, most / abs(slope)
-    return max(middle - half, -1e6), min(middle + half, 1e6)
+def _across(edges: Edges, e: int, x: int, y: int) -> float:
+    """Return d of a pixel, by a point of an edge."""
+    d: float = (edges.x[e] - x) * edges.nx[e] + (edges.y[e] - y) * edges.ny[e]
+    return d
+
+
+@inlined
+def _span(slope: float, most: float) -> tuple[float, float]:
+    """Return 1 / ``slope``, and by how much t may change where slope t is to change by ``most``; 0, 1e6 if by any."""
+    return (1 / slope, most / abs(slope) + 1e-9) if abs(slope) > 1e-6 else (0.0, 1e6)
 
 
 @inlined
@@ -156,17 +162,16 @@ def _nearest(
     two_sided: bool,
     near: npt.NDArray[np.bool_],
     squares: Float64,
-    signed: Float64,
     which: Int32,
 ) -> None:
-    """Write d and the index of the nearest point, within ``reach``, of each pixel of the rows first .. last - 1.
+    """Write the index of the nearest point, within ``reach``, of each pixel of the rows first .. last - 1.
 
     In layer 0 of the results is the nearest one with d >= 0, or of all if ``two_sided``; in layer 1 that with d < 0.
     They are written in tiles that are ``near`` something alone; where in these nothing is, squares are infinite.
     """
     height = edges.rows.size - 1
     sides, rows, length = squares.shape
-    square_at, signed_at, which_at = address(squares.ravel(), 0), address(signed.ravel(), 0), address(which.ravel(), 0)
+    square_at, which_at = address(squares.ravel(), 0), address(which.ravel(), 0)
     most = _HALF + _SPREAD * reach
     margin = math.ceil(math.hypot(reach, most) + MOVED + FARTHEST) + 1
     lanes = to_doubles(to_floats(lane_indices()))
@@ -176,14 +181,14 @@ def _nearest(
             continue
         px, py, nx, ny = edges.x[e], edges.y[e], edges.nx[e], edges.ny[e]
         weaker = (_WEAKER * (1 - strength)) ** 2
-        high = abs(ny) * reach + abs(nx) * most
-        for y in range(max(first, math.ceil(py - high)), min(last, math.floor(py + high) + 1)):
+        tall = abs(ny) * reach + abs(nx) * most
+        (per_d, wide), (per_s, long) = _span(nx, reach), _span(ny, most)
+        for y in range(max(first, math.ceil(py - tall)), min(last, math.floor(py + tall) + 1)):
             dy = py - y
-            # |dx nx + dy ny| <= reach and |dy nx - dx ny| <= most hold for dx from here to there.
-            low, top = _between(nx, dy * ny, reach)
-            low2, top2 = _between(ny, -dy * nx, most)
-            left, right = px - min(top, top2), px - max(low, low2)
-            begin, end = max(0, math.ceil(left)), min(width, math.floor(right) + 1)
+            # |dx nx + dy ny| <= reach and |dy nx - dx ny| <= most hold for dx from low to high, and for little else.
+            low = max(-dy * ny * per_d - wide, dy * nx * per_s - long)
+            high = min(-dy * ny * per_d + wide, dy * nx * per_s + long)
+            begin, end = max(0, math.ceil(px - high)), min(width, math.floor(px - low) + 1)
             if begin >= end:
                 continue
             for tile in range(begin // _TILE, (end - 1) // _TILE + 1):
@@ -196,15 +201,15 @@ def _nearest(
                 square = d * d + s * s
                 within = (square <= reach * reach) & (absolute(s) <= _HALF + _SPREAD * absolute(d))
                 for side in range(sides):
-                    at = (side * rows + y - first) * length + x
-                    before = load(square_at, at)
-                    nearer = within & (square + weaker < before)
+                    nearer = within
                     if not two_sided:
                         nearer = nearer & ((d >= 0.0) if side == 0 else (d < 0.0))
-                    if any_lane(nearer):
-                        store(square_at, at, select(nearer, square + weaker, before))
-                        store(signed_at, at, select(nearer, d, load(signed_at, at)))
-                        store(which_at, at, select(nearer, splat_ints(e), load(which_at, at)))
+                    if not any_lane(nearer):
+                        continue
+                    at = (side * rows + y - first) * length + x
+                    before = load(square_at, at)
+                    nearer = nearer & (square + weaker < before)
+                    store(square_at, at, select(nearer, square + weaker, before))
+                    store(which_at, at, select(nearer, splat_ints(e), load(which_at, at)))
     keep(squares)
-    keep(signed)
     keep(which)

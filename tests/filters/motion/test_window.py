@@ -268,6 +268,15 @@ def test_a_normal_of_no_length_goes_with_any():
     assert np.array_equal(window(WHOLE, passes=(), normals=normals).mean, window(WHOLE, passes=()).mean)
 
 
+@pytest.mark.parametrize("shape", [(1, 1), (1, 5), (5, 1), (4, 20)])
+def test_a_surface_that_turns_away_is_lost(shape):
+    pictures = {k: np.full(shape, 10.0 * k, np.float32) for k in (0, 1)}
+    normals = {k: np.full((*shape, 3), np.eye(3)[k], np.float32) for k in (0, 1)}
+    found = motion_window(pictures, dict.fromkeys((0, 1), np.zeros((*shape, 4), np.float32)), normals=normals)
+    assert not found.mean.any()
+    assert not found.confidence.any()
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
