@@ -35,15 +35,24 @@ def along_rows(unit: Any, theta: float, h: float) -> list[Any]:
                 at(unit[y], k + h), at(unit[y], k + 3 * h)
             )
             excess = middle - beside / 2
-            if middle <= theta / 2 or before > middle or after >= middle or excess <= theta / 2:
+            near = angle(at(unit[y], k - 2 * h), at(unit[y], k)) + angle(at(unit[y], k), at(unit[y], k + 2 * h))
+            sudden = 2 * middle - near
+            if middle <= theta / 2 or before > middle or after >= middle:
                 continue
-            t = min((excess - theta / 2) / (theta / 2), 1)
+            strength = smoothstep(theta / 2, theta, sudden) * smoothstep(0.4 * theta, 0.8 * theta, excess)
+            if strength == 0:
+                continue
             curved = before - 2 * middle + after
             offset = (before - after) / 2 / curved if curved < -1e-6 else 0.0
             nx, ny = across(unit, x, y)
             if abs(nx) >= 0.4:
-                found.append((k + offset, y, abs(nx), abs(ny), t * t * (3 - 2 * t), excess))
+                found.append((k + offset, y, abs(nx), abs(ny), strength, excess))
     return found
+
+
+def smoothstep(low: float, high: float, x: float) -> float:
+    t = min(max((x - low) / (high - low), 0), 1)
+    return t * t * (3 - 2 * t)
 
 
 def at(row: Any, x: float) -> Any:

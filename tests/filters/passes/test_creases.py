@@ -37,3 +37,12 @@ def test_the_blunter_of_two_creases_side_by_side_goes():
     assert columns[18.5] > 0.9
     assert columns[20.5] == 0
     assert columns[30.5] > 0.9
+
+
+@pytest.mark.parametrize(("length", "low", "high"), [(1, 0.95, 1.0), (3, 0.1, 0.4), (5, 0.0, 0.0)])
+def test_a_bend_is_no_crease_the_longer_the_less(length, low, high):
+    turns = np.broadcast_to(np.interp(np.arange(40), [20, 20 + length], [0, 60]), (12, 40))
+    angle = np.radians(turns)
+    unit = unit_normals(np.stack([np.sin(angle), 0 * angle, np.cos(angle)], axis=2).astype(np.float32))
+    strength = find_creases(unit, 30.0, 1.0)[0].strength
+    assert low <= strength.max(initial=0) <= high
