@@ -71,9 +71,10 @@ def scale_lengths(
         if not param.scales or factor == 1 or isinstance(value, bool) or not isinstance(value, int | float):
             continue
         wanted = value * factor**param.scales
-        scaled[name] = fitting = max(_within(param, wanted), least := min(param.floor or 0, value))
+        inside, least = _within(param, wanted), min(param.floor or 0, value)
+        scaled[name] = fitting = max(inside, least)
         times = f"{name} {value:g} x {factor**param.scales:.3g} = {wanted:.3g}"
-        if wanted < least:
+        if inside < least:
             notes.append(Note(f"{times} px is too short at this size: {least:g} px used", warning=True, once=name))
         elif fitting != wanted and not (param.kind == "int" and abs(fitting - wanted) <= 0.5):
             notes.append(Note(f"{times} is not {param.range_text}: {fitting:g} used", warning=True, once=name))

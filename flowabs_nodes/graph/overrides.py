@@ -97,7 +97,8 @@ def _find(graph: Graph, name: str, here: str, wrong: list[Problem]) -> Place | N
         wrong.append(Problem("unknown-node", here, show(node), "a node of this graph", hint))
     elif name not in known:
         declaration = graph.nodes[node].declaration
-        hint = problems.near(name, known)
+        is_input = f"{param} is an input: link it in the graph's file" if param in declaration.all_inputs else ""
+        hint = is_input or problems.near(name, known)
         wrong.append(Problem("unknown-param", here, show(param), f"a parameter of {declaration.name}", hint))
     else:
         return ("nodes", node, "params", param)

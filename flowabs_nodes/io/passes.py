@@ -100,7 +100,7 @@ def guessed_wrong(chosen: Selection, names: Names, why: str, meant: bool = True)
 
     Where it may be ``meant`` all the same, the hint says how to say so.
     """
-    hint = f"layer: {chosen.guessed!r}, if it holds {names.what}" if meant else "file: the file that has it"
+    hint = f"layer: {chosen.guessed!r}, if it holds {names.what}" if meant else "file: the file that has the pass"
     message = f"no {names.what} in the file: in its only layer, {', '.join(chosen.channels)}, {why}"
     return ReadError(message, code="no-layer", hint=hint, parameter="layer")
 

@@ -89,6 +89,9 @@ def test_a_length_held_at_its_floor_is_said_in_one_line():
     both = replace(LINES, params=(Param.float("reach", 7.0, min=1, unit="px", floor=2, help="."),))
     (warning,) = scale_lengths(both, {"reach": 7.0}, 0.1)[1]
     assert warning.text == "reach 7 x 0.1 = 0.7 px is too short at this size: 2 px used", "beyond its range as well"
+    both = replace(LINES, params=(Param.float("reach", 7.0, min=1, unit="px", floor=0.5, help="."),))
+    (warning,) = scale_lengths(both, {"reach": 7.0}, 0.05)[1]
+    assert warning.text == "reach 7 x 0.05 = 0.35 is not from 1: 1 used", "the range holds it above its floor"
     assert scale_lengths(FLOORED, {"width": 0.1}, 1.0)[1] == (), "the graph's own value, not scaled"
 
 

@@ -161,6 +161,7 @@ def test_what_are_no_values(toon, values):
         ("FIELD", "did you mean 'field'?"),
         ("Field.radius", "did you mean 'field'?"),
         ("field.RADIUS", "did you mean 'field.radius'?"),
+        ("field.image", "image is an input: link it in the graph's file"),
     ],
 )
 def test_the_hint_names_what_was_meant(toon, name, hint):

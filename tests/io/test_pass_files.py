@@ -48,9 +48,8 @@ def test_a_background_without_normals_does_no_harm(tmp_path: Path) -> None:
 @pytest.mark.parametrize("pixels", [colors(dtype=np.float32), NORMALS / 2 + 0.5])
 def test_a_picture_is_no_normals(tmp_path: Path, pixels: np.ndarray) -> None:
     path = exr(tmp_path / "beauty.exr", planes(pixels))
-    with pytest.raises(
-        ReadError, match=r"no normals in the file: .*\d+% of the .*\(layer: 'RGB', if it holds normals"
-    ) as caught:
+    said = r"no normals in the file: .*\d+% of .*\(layer: 'RGB', if it holds normals"
+    with pytest.raises(ReadError, match=said) as caught:
         read_normal(path)
     assert caught.value.code == "no-layer"
     assert same_bits(read_normal(path, layer="RGB").pixels, pixels)
@@ -69,9 +68,8 @@ def test_motion(tmp_path: Path) -> None:
 
 def test_a_picture_is_no_motion(tmp_path: Path) -> None:
     path = exr(tmp_path / "beauty.exr", planes(np.abs(colors())))
-    with pytest.raises(
-        ReadError, match=r"no motion in the file: .*nothing moves left or down \(layer: 'RGB', if it holds motion"
-    ):
+    said = r"no motion in the file: .*nothing moves left or down \(layer: 'RGB', if it holds motion"
+    with pytest.raises(ReadError, match=said):
         read_motion(path)
     assert read_motion(path, layer="RGB").type == "motion"
     nothing_moves = exr(tmp_path / "still.exr", planes(colors() * 0))
