@@ -92,7 +92,7 @@ def smoothed(lines: Array, flow: Image, sigma: float, sampling: str, working_sca
     from flowabs_nodes.filters.flow.flow_blur import along  # what numba compiles is not imported for a declaration
 
     weights = gaussian.every(step_of_smoothing(working_scale, sigma), gaussian.half(sigma))
-    blurred: Array = along(np.ascontiguousarray(lines[None]), flow.pixels, weights, sampling)[0]
+    blurred: Array = along(np.ascontiguousarray(lines[None]), flow.pixels, weights, sampling, ground=1.0)[0]
     return blurred
 
 

@@ -24,7 +24,7 @@ from flowabs_nodes.array_types import Array, Complex64, Int32
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.border import repeat_left, repeat_right
 from flowabs_nodes.simd.jit import inlined
-from flowabs_nodes.simd.lanes import LANES, Floats, Ints, absolute, any_lane, maximum, minimum
+from flowabs_nodes.simd.lanes import LANES, Floats, Ints, absolute, any_lane, maximum, minimum, splat_floats
 from flowabs_nodes.simd.memory import gather_quads, load, load_pairs, store_pairs, store_quads
 
 #: The size of a tile in pixels.
@@ -58,28 +58,31 @@ class Tile(NamedTuple):
 
 
 def over_tiles(
-    kernel: Callable[..., bool], planes: Array, flow: Array, weights: npt.NDArray[np.floating]
+    kernel: Callable[..., bool], planes: Array, flow: Array, weights: npt.NDArray[np.floating], *more: Any
 ) -> Array | None:
     """Return the result of a compiled ``kernel`` that works in tiles, or None if a tangent is longer than LONGEST.
 
     Parameters
     ----------
     kernel
-        Is called as ``kernel(first, last, planes, shape, flow, weights, result)`` for bands of rows. It writes the rows
-        first .. last - 1 of ``result``, planes of the same shape, and returns whether all tangents were short enough.
+        Is called as ``kernel(first, last, planes, shape, flow, weights, *more, result)`` for bands of rows. It writes
+        the rows first .. last - 1 of ``result``, planes of the same shape, and returns whether all tangents were short
+        enough.
     planes
         (C, H, W).
     flow
         (H, W, 2).
     weights
         The kernel's weights, passed to it as float32.
+    more
+        Whatever else the kernel takes.
     """
     width = planes.shape[2]
     planes, flow = pad_width(planes, 2), pad_width(flow, 1)
     result = np.empty_like(planes)
     pictures = planes.reshape(-1), PlanesShape(*planes.shape), flow.reshape(-1).view(np.complex64)
     weights = weights.astype(np.float32)
-    fits = over_rows(kernel, planes.shape[1], *pictures, weights, result.reshape(-1), least=ROWS)
+    fits = over_rows(kernel, planes.shape[1], *pictures, weights, *more, result.reshape(-1), least=ROWS)
     return np.ascontiguousarray(result[..., :width]) if all(fits) else None
 
 
@@ -144,6 +147,23 @@ def fill_lattice(lattice: Complex64, plane: Array, start: int, tile: Tile) -> No
             here = load(plane, row + x)
             store_pairs(lattice, to + x, (here, load(plane, below + x) - here))
         _repeat_border(lattice, to, tile, 1)
+
+
+@inlined
+def count_busy(busy: Int32, plane: Array, ground: float, x0: int, x_end: int, far: int, tile: Tile) -> None:
+    """Count the rows of the tile that are not all ``ground`` near each block of sixteen pixels from column x0 on.
+
+    Near are the columns up to ``far`` away. ``busy`` is (rows + 1, blocks): its row i counts the first i of the tile.
+    """
+    for block in range((x_end - x0 + LANES - 1) // LANES):
+        x = min(x0 + block * LANES, tile.width - LANES)
+        busy[0, block] = 0
+        for y in range(tile.top, tile.bottom + 2):
+            most = splat_floats(0.0)
+            for near in range(max(x - far, 0), min(x + LANES + far, tile.width), LANES):
+                here = load(plane, _picture_row(y, tile) + min(near, tile.width - LANES))
+                most = maximum(most, absolute(here - ground))
+            busy[y - tile.top + 1, block] = busy[y - tile.top, block] + (1 if any_lane(most > 0.0) else 0)
 
 
 @inlined

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from flowabs_nodes.array_types import Array
+from flowabs_nodes.array_types import Array, Int32
 from flowabs_nodes.choices import SAMPLINGS
 from flowabs_nodes.errors import ArgumentError
 from flowabs_nodes.filters import gaussian, validate
@@ -25,17 +25,20 @@ from flowabs_nodes.sampling.tile_cache import (
     COLUMNS,
     ROWS,
     PlanesShape,
+    Tile,
+    count_busy,
     fill_lattice,
     fill_records,
     fill_tangents,
     over_tiles,
+    reach,
     sample_lattice,
     tile_around,
     tile_capacity,
 )
 from flowabs_nodes.simd.bands import over_rows
 from flowabs_nodes.simd.jit import inlined, kernel
-from flowabs_nodes.simd.lanes import LANES
+from flowabs_nodes.simd.lanes import LANES, splat_floats
 from flowabs_nodes.simd.memory import gather_pairs, gather_quads, load, load_pairs, scratch, store
 
 _SUMS = 4 * BLOCKS  # vectors of sums: a row of a tile, four channels
@@ -105,7 +108,9 @@ def as_planes(image: Array) -> Array:
     return planes
 
 
-def along(planes: Array, flow: Array, weights: npt.NDArray[np.float64], sampling: str) -> Array:
+def along(
+    planes: Array, flow: Array, weights: npt.NDArray[np.float64], sampling: str, ground: float | None = None
+) -> Array:
     """Return the weighted sum of up to four planes over the streamline c_x of each pixel (eq. 11), (C, H, W) float32.
 
     Parameters
@@ -118,36 +123,64 @@ def along(planes: Array, flow: Array, weights: npt.NDArray[np.float64], sampling
         Weights of the steps 0, 1 .. to either side: G(sigma_m) in eq. 11.
     sampling
         "bilinear" or "nearest".
+    ground
+        What much of a picture of one plane is, if anything, as paper is of lines. Where all around is, nothing is read
+        to find that it stays so. It changes no bit.
     """
-    blurred = over_tiles(_along_nearest if sampling == "nearest" else _along_bilinear, planes, flow, weights)
+    if sampling == "nearest":
+        blurred = over_tiles(_along_nearest, planes, flow, weights)
+    else:
+        no_ground = ground is None or len(planes) > 1
+        blurred = over_tiles(_along_bilinear, planes, flow, weights, np.float32(np.nan if no_ground else ground))
     return exact_sum(planes, flow, np.ones(1), weights, sampling) if blurred is None else blurred
 
 
 @kernel
 def _along_bilinear(
-    first: int, last: int, planes: Array, shape: PlanesShape, flow: Pairs, weights: Array, blurred: Array
+    first: int,
+    last: int,
+    planes: Array,
+    shape: PlanesShape,
+    flow: Pairs,
+    weights: Array,
+    ground: float,
+    blurred: Array,
 ) -> bool:
     """Write eq. 11, read bilinearly, for the rows ``first`` .. ``last`` - 1.
 
-    ``planes`` and ``blurred`` are (C, H, W) flattened, ``flow`` one pair per pixel; W is at least sixteen. Returns
-    False, with rows not written, if a tangent is too long for tiles.
+    ``planes`` and ``blurred`` are (C, H, W) flattened, ``flow`` one pair per pixel; W is at least sixteen. ``ground``
+    is NaN, or what much of a single plane is: then a row of a tile is worked on from the first block to the last that
+    reaches anything else. Returns False, with rows not written, if a tangent is too long for tiles.
     """
     channels, height, width = shape
     steps = weights.size - 1
     curves, total = new_tiled_streamlines(), scratch(np.float32, _SUMS)
     size = tile_capacity(steps, last - first, width, height)
     tangents, lattices = np.empty(size, np.complex64), np.empty(channels * size, np.complex64)
+    far, grounded, still = reach(steps), ground == ground, scratch(np.float32, 1)
+    busy = np.empty((ROWS + 2 * far + 4, BLOCKS), np.int32)
+    store(still, 0, splat_floats(ground) * weights[0])  # what the ground's sum comes to, with its rounding
+    for s in range(1, steps + 1):
+        if weights[s] != 0:
+            _add(still, 0, splat_floats(ground) + ground, weights[s])
     for y0 in range(first, last, ROWS):
         for x0 in range(0, width, COLUMNS):
             y_end, x_end = min(y0 + ROWS, last), min(x0 + COLUMNS, width)
-            span = (x_end - x0 + LANES - 1) // LANES * LANES
+            across = (x_end - x0 + LANES - 1) // LANES * LANES
             around = tile_around(x0, y0, x_end, y_end, steps, width, height)
             if not fill_tangents(tangents, flow, around):
                 return False
             for c in range(channels):
                 fill_lattice(lattices[c * size :], planes, c * height * width, around)
+            if grounded:
+                count_busy(busy, planes, ground, x0, x_end, far, around)
             for y in range(y0, y_end):
-                row = Row(x0, span, y, height, width)
+                row = Row(x0, across, y, height, width)
+                if grounded:
+                    for k in range(0, across, LANES):
+                        store(blurred, y * width + min(x0 + k, width - LANES), load(still, 0))
+                    row = _busy_part(busy, row, far, around)
+                span = row.span
                 _start(curves, flow, row)
                 _start_sums(total, planes, weights[0], 0, channels, row)
                 for s in range(1, steps + 1):
@@ -166,6 +199,17 @@ def _along_bilinear(
                             _add(total, c * COLUMNS + k, one_way + other_way, weights[s])
                 _finish_sums(total, blurred, 0, channels, row)
     return True
+
+
+@inlined
+def _busy_part(busy: Int32, row: Row, far: int, tile: Tile) -> Row:
+    """Return the part of a tile's row from the first to the last block with anything but ground up to ``far`` away."""
+    top, end = max(row.y - far, tile.top) - tile.top, min(row.y + far, tile.bottom + 1) + 1 - tile.top
+    first, last = row.span // LANES, 0
+    for block in range(row.span // LANES):
+        if busy[end, block] > busy[top, block]:
+            first, last = min(first, block), block + 1
+    return Row(row.x0 + first * LANES, max(last - first, 0) * LANES, row.y, row.height, row.width)
 
 
 @inlined

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from flowabs_nodes.choices import SAMPLINGS
 from flowabs_nodes.errors import ArgumentError
-from flowabs_nodes.filters import flow_blur
+from flowabs_nodes.filters import flow_blur, gaussian
 from flowabs_nodes.filters.flow.flow_blur import along
 from tests.filters.flows import THIN, cases, random_flow
 from tests.naive import streamline as naive
@@ -160,3 +160,18 @@ def test_the_longest_streamlines_end_in_the_border(sampling):
     image = np.linspace(0, 100, 30, dtype=np.float32) * np.ones((20, 1), np.float32)
     flow = np.broadcast_to(np.float32([1, 0]), (20, 30, 2))
     np.testing.assert_allclose(flow_blur(image, flow, 10_000, sampling), 50, atol=0.2)
+
+
+@pytest.mark.parametrize("sigma", [1.0, 6.4])
+@pytest.mark.parametrize("shape", [(150, 300), (70, 137), (40, 19), (3, 5), (200, 16)])
+def test_ground_that_is_passed_over_has_the_same_bits(shape, sigma):
+    random = np.random.default_rng(5)
+    lines = np.ones((1, *shape), np.float32)
+    for y, x in random.integers(0, shape, (4, 2)):
+        lines[0, max(y - 2, 0) : y + 2, x : x + 30] = random.random()
+    for flow in (random_flow(shape, 3), np.zeros((*shape, 2), np.float32)):
+        expected = along(lines, flow, gaussian.half(sigma), "bilinear")
+        for ground in (1.0, 0.25):  # the second is nowhere
+            np.testing.assert_array_equal(along(lines, flow, gaussian.half(sigma), "bilinear", ground), expected)
+    still = along(np.ones_like(lines), random_flow(shape, 3), gaussian.half(sigma), "bilinear", 1.0)
+    np.testing.assert_array_equal(still, along(np.ones_like(lines), flow, gaussian.half(sigma), "bilinear"))
