@@ -14,6 +14,7 @@ from flowabs_nodes.color import ColorSpace, dpx
 from flowabs_nodes.color.detection import forget, without_stale
 from flowabs_nodes.errors import ArgumentError, ColorError
 from flowabs_nodes.image import light
+from flowabs_nodes.image.header_text import with_readable_texts
 from flowabs_nodes.image.numbers import Numbers, meaning
 from flowabs_nodes.image.parts import Parts, Window, with_channels
 from flowabs_nodes.port_types import TYPES, PortType, pixel_type
@@ -66,7 +67,7 @@ def _checked(buf: oiio.ImageBuf) -> oiio.ImageSpec:
     elif spec.depth > 1:
         found = f"a volume of {spec.depth} planes"
     else:
-        return spec
+        return with_readable_texts(spec)
     raise ArgumentError(f"an ImageBuf with flat pixels is expected, found {found}", parameter="buf")
 
 

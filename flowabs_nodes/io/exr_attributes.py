@@ -15,6 +15,7 @@ import numpy as np
 import OpenEXR
 
 from flowabs_nodes.errors import ReadError
+from flowabs_nodes.image.header_text import readable
 from flowabs_nodes.io.formats.exr import next_attribute
 from flowabs_nodes.io.oiio_error import printable
 
@@ -80,14 +81,6 @@ def _box(dtype: str) -> Callable[[bytes], Any]:
     """Return a function that reads the first and the last corner of a box."""
     corners = _array(dtype, 2, 2)
     return lambda data: tuple(corners(data))
-
-
-def readable(data: bytes) -> str:
-    """Return a text; one that is no UTF-8 is taken for Latin-1, as programs for Windows wrote it."""
-    try:
-        return data.decode("utf-8")
-    except UnicodeDecodeError:
-        return data.decode("latin-1")
 
 
 def _texts(data: bytes) -> Any:

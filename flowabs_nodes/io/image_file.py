@@ -17,6 +17,7 @@ import numpy.typing as npt
 import OpenImageIO as oiio
 
 from flowabs_nodes.errors import FlowabsError, ReadError
+from flowabs_nodes.image.header_text import with_readable_texts
 from flowabs_nodes.io import formats
 from flowabs_nodes.io.confined import held_file
 from flowabs_nodes.io.formats import Format
@@ -93,7 +94,7 @@ def _opened(name: str, place: str, settings: Settings) -> Iterator[PictureFile]:
         while source.seek_subimage(len(specs), 0):
             if len(specs) == MAX_PARTS:
                 raise ReadError(f"a file of more than {MAX_PARTS:,} parts is not opened", code="too-large", file=name)
-            specs.append(oiio.ImageSpec(source.spec()))
+            specs.append(with_readable_texts(source.spec()))
         reason(source)  # the last seek was one too far
         if not specs:
             raise ReadError("damaged: no picture in the file", file=name)

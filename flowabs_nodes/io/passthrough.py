@@ -13,8 +13,8 @@ import OpenImageIO as oiio
 
 from flowabs_nodes.errors import FlowabsError, WriteError, nearest
 from flowabs_nodes.image import Image, Origin
+from flowabs_nodes.image.header_text import readable
 from flowabs_nodes.io import formats
-from flowabs_nodes.io.exr_attributes import readable
 from flowabs_nodes.io.exr_header import header_of_part
 from flowabs_nodes.io.image_file import PictureFile, open_picture
 from flowabs_nodes.io.layers import layer_of, part_name
