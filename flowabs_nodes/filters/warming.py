@@ -33,8 +33,8 @@ def warm_up(*names: str) -> None:
     """Run filters once on a small picture, with default parameters, so that their first use takes no longer.
 
     What the options of the graphs that come with the package need is made ready too, though they are off by default:
-    soft outlines, thin and lone lines, evidence, a working scale, steps by the gradient, a stroke's length, a window's guide and
-    depth, edges from passes, boil.
+    soft outlines, thin and lone lines, evidence, a working scale, steps by the gradient, a stroke's length, a window's
+    guide and depth, edges from passes, boil.
 
     A program calls it before it starts threads, and before it forks: children share what is loaded, and none of them
     compiles. What is compiled stays on disk. Kernels of other parameters than the defaults (``kernel="separable"``, an

@@ -7,6 +7,7 @@ Latin-1, as programs for Windows wrote it.
 from __future__ import annotations
 
 import re
+from typing import Any
 
 import OpenImageIO as oiio
 
@@ -27,21 +28,23 @@ def with_readable_texts(spec: oiio.ImageSpec) -> oiio.ImageSpec:
             name, value = attribute.name, attribute.value
         except UnicodeDecodeError:  # OpenImageIO 3.0, where such a text cannot be asked for
             continue
-        texts = [each for each in (value if isinstance(value, tuple) else (value,)) if isinstance(each, str)]
-        if all(_is_readable(text) for text in (name, *texts)):
+        made = _made_readable(name), _with_readable(value)
+        if made == (name, value):
             continue
-        # Only a pattern finds a name with surrogates.
-        clean.erase_attribute(name if _is_readable(name) else re.sub(r"\W", ".", name, flags=re.ASCII))
-        if isinstance(value, tuple) and texts:
-            clean.attribute(_made_readable(name), attribute.type, tuple(_made_readable(text) for text in texts))
-        else:
-            clean.attribute(_made_readable(name), attribute.type, _made_readable(value) if texts else value)
+        if made[0] != name:  # only a pattern finds a name with surrogates
+            clean.erase_attribute(re.sub(r"\W", ".", name, flags=re.ASCII))
+        clean.attribute(made[0], attribute.type, made[1])
     return clean
 
 
-def _is_readable(text: str) -> bool:
-    return text.isascii() or not any("\udc80" <= each <= "\udcff" for each in text)
+def _with_readable(value: Any) -> Any:
+    """Return the value of an attribute, its texts readable; any other as it is."""
+    if isinstance(value, tuple):
+        return tuple(_with_readable(each) for each in value)
+    return _made_readable(value) if isinstance(value, str) else value
 
 
 def _made_readable(text: str) -> str:
-    return text if _is_readable(text) else readable(text.encode("utf-8", "surrogateescape"))
+    if text.isascii() or not any("\udc80" <= each <= "\udcff" for each in text):
+        return text
+    return readable(text.encode("utf-8", "surrogateescape"))

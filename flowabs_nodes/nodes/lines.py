@@ -140,7 +140,7 @@ def run_fdog(
     if fdog["form"] == "xdog":
         color_weight = evidence = lone_lines = 0.0
     code = code_values(image, space, ground, color_weight)
-    weights = {"color_weight": color_weight, "evidence": evidence, "lone_lines": lone_lines}
+    weights: dict[str, Any] = {"color_weight": color_weight, "evidence": evidence, "lone_lines": lone_lines}
     lines, response = draw(partial(filters.fdog, code, flow.pixels, **weights), **fdog)
     return outputs(image, smoothed(lines, flow, smooth, fdog["sampling"], fdog["working_scale"]), response, mask)
 

@@ -161,7 +161,7 @@ def test_a_key_holds_those_of_all_frames_that_are_read():
 @pytest.mark.parametrize(
     ("name", "keys"),
     [
-        ("lines", {"flow": "b2028d1faa6c", "lines": "cb86eb199fd2", "out": "f8c7b4c0b51d"}),
+        ("lines", {"flow": "ccd6b03f821e", "lines": "84ddc5dc341b", "out": "34abe9c611bb"}),
         ("abstraction_hdr", {"flow": "d9e6bfce8e27", "comp": "6c88f7a88558", "out": "469bc57b10e4"}),
         ("flat", {"flow": "bb967e6188b0", "out": "cf7524b68be1"}),
     ],

@@ -11,6 +11,7 @@ it (Foley, "Human luminance pattern-vision mechanisms: masking experiments requi
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -42,6 +43,10 @@ class Found(NamedTuple):
     ink: Array  # -N
     along: Array  # -B
     around: Array | None  # -A, where lone lines are asked for
+
+    def each(self, change: Callable[[Array], Array]) -> Found:
+        """Return all of them, changed by a function of a plane."""
+        return Found(change(self.ink), change(self.along), None if self.around is None else change(self.around))
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from flowabs_nodes.filters import gaussian, validate
 from flowabs_nodes.filters.flow.flow_blur import along, as_planes
 from flowabs_nodes.filters.flow.flow_resolution import Flows, reduced_flow
 from flowabs_nodes.filters.lines.dog_line import across
-from flowabs_nodes.filters.lines.evidence import Evidence, Found
+from flowabs_nodes.filters.lines.evidence import Evidence
 from flowabs_nodes.filters.lines.join_channels import join_channels
 from flowabs_nodes.filters.lines.soft_edges import SoftEdges
 from flowabs_nodes.filters.lines.thin_lines import ThinLines
@@ -229,8 +229,8 @@ class Detector:
                 brought_up = partial(enlarged, height=size[0], width=size[1], first=first, last=last)
                 rows = joined[first:last] if at_work else self._joined(brought_up(responses, self.factor))
                 if evidence is not None:
-                    planes = (None if p is None else brought_up(p[None], self.evidence_factor)[0] for p in found)
-                    rows = evidence.weighed(rows, Found(*planes))
+                    at_size = found.each(lambda plane: brought_up(plane[None], self.evidence_factor)[0])
+                    rows = evidence.weighed(rows, at_size)
                 response[first:last] = rows
 
         over_rows(band, size[0])
