@@ -101,10 +101,11 @@ def node_key(
             "type": declaration.name,
             "package": package_version(str(declaration.run.__module__).partition(".")[0]),
             "params": {
-                param.name: _exact(params[param.name] if declaration.is_enabled(param.name, params) else param.default)
+                param.name: _exact(value)
                 for param in declaration.all_params.values()
                 if param.in_key and param.kind != "file" and param.name in params
-                if not (param.later and params[param.name] == param.default)
+                for value in [params[param.name] if declaration.is_enabled(param.name, params) else param.default]
+                if not (param.later and value == param.default)
             },
             "inputs": dict(inputs),
             "content": content,
