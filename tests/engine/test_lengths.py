@@ -105,7 +105,7 @@ def test_a_small_picture_is_not_a_blank_sheet(size, scale):
     assert 0.4 * np.pi * min(lines.shape[:2]) < (lines < 0.5).sum() < 3 * np.pi * min(lines.shape[:2]), (
         "a circle's worth"
     )
-    assert lines[0].min() == 1
+    assert lines[0].min() > 1 - 1e-6, "paper, to a rounding of the weights"
 
 
 def test_the_nodes_that_draw_lines_say_below_which_width_lines_change():
