@@ -35,8 +35,9 @@ def along_rows(unit: Any, theta: float, h: float) -> list[Any]:
                 at(unit[y], k + h), at(unit[y], k + 3 * h)
             )
             excess = middle - beside / 2
-            near = angle(at(unit[y], k - 2 * h), at(unit[y], k)) + angle(at(unit[y], k), at(unit[y], k + 2 * h))
-            sudden = 2 * middle - near
+            s = max(h, 1)
+            near = sum(angle(at(unit[y], k + c - h), at(unit[y], k + c + h)) for c in (-s, s))
+            sudden = min(middle, 2 * middle - near)
             if middle <= theta / 2 or before > middle or after >= middle:
                 continue
             strength = smoothstep(theta / 2, theta, sudden) * smoothstep(0.4 * theta, 0.8 * theta, excess)

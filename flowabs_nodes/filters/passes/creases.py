@@ -3,7 +3,7 @@
 Along a row, and along a column, A(k) is the angle between the normals at k - h and k + h, h the reach, for k
 in the middle between two pixels. A bend turns them over its length, and beside a crease they turn little: with
 
-    excess = A(k) - (A(k - 2h) + A(k + 2h)) / 2,    sudden = 2 A(k) - A(k - h) - A(k + h),
+    excess = A(k) - (A(k - 2h) + A(k + 2h)) / 2,    sudden = min(A(k), 2 A(k) - A(k - s) - A(k + s)), s = max(h, 1),
 
 which are both the whole angle of a sharp fold alone, the strength is smoothstep(theta / 2, theta, sudden)
 smoothstep(.4 theta, .8 theta, excess). A crease goes through the peaks of A, found between pixels by a parabola.
@@ -214,8 +214,9 @@ def _peak(unit: Array, x: int, y: int, along_x: int, h: float, theta: float, fou
         return False
     beside = _turn(unit, x, y, along_x, 0.5 - 3 * h, 0.5 - h) + _turn(unit, x, y, along_x, 0.5 + h, 0.5 + 3 * h)
     found[4] = middle - 0.5 * beside
-    near = _turn(unit, x, y, along_x, 0.5 - 2 * h, 0.5) + _turn(unit, x, y, along_x, 0.5, 0.5 + 2 * h)
-    sudden = 2 * middle - near
+    s = max(h, 1.0)  # the pixel that a fold runs through has the mean of both normals
+    near = _turn(unit, x, y, along_x, 0.5 - s - h, 0.5 - s + h) + _turn(unit, x, y, along_x, 0.5 + s - h, 0.5 + s + h)
+    sudden = min(middle, 2 * middle - near)
     strength = smoothstep(0.5 * theta, theta, sudden) * smoothstep(0.4 * theta, 0.8 * theta, found[4])
     if strength <= 0:
         return False

@@ -46,3 +46,14 @@ def test_a_bend_is_no_crease_the_longer_the_less(length, low, high):
     unit = unit_normals(np.stack([np.sin(angle), 0 * angle, np.cos(angle)], axis=2).astype(np.float32))
     strength = find_creases(unit, 30.0, 1.0)[0].strength
     assert low <= strength.max(initial=0) <= high
+
+
+@pytest.mark.parametrize("reach", [0.67, 1.0, 1.5])
+def test_a_fold_that_runs_through_pixels_is_not_dashed(reach):
+    y, x = np.mgrid[0:40, 0:40]
+    turns = 50 * np.clip(x - 0.15 * y - 16.5, 0, 1)  # a pixel that it runs through has a mean of both normals
+    angle = np.radians(turns)
+    unit = unit_normals(np.stack([np.sin(angle), 0 * angle, np.cos(angle)], axis=2).astype(np.float32))
+    creases, _ = find_creases(unit, 30.0, reach)
+    strongest = [creases.strength[creases.rows[row] : creases.rows[row + 1]].max(initial=0) for row in range(40)]
+    assert np.mean(np.array(strongest) > 0.5) > 0.9
