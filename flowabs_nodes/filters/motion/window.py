@@ -22,6 +22,7 @@ from flowabs_nodes.filters.motion.places import Pairs, Path, rows_of_triples
 from flowabs_nodes.filters.motion.window_frames import (
     Frame,
     Frames,
+    check_by_offset,
     checked_alphas,
     checked_pictures,
     frames_of,
@@ -124,6 +125,7 @@ def motion_window(
     consistency = validate.number("consistency", consistency, min=0)
     depth_tolerance = validate.number("depth_tolerance", depth_tolerance, min=0)
     normal_tolerance = validate.number("normal_tolerance", normal_tolerance, min=0, max=180)
+    check_by_offset(images=images, motions=motions, guides=guides, depths=depths, normals=normals, alphas=alphas)
     given = [each for each in (images, motions, guides, depths, normals, alphas) if each is not None]
     offsets = window_offsets(given, reach)
     pictures = checked_pictures(images, offsets)

@@ -31,6 +31,15 @@ class Frame(NamedTuple):
     seen: Seen
 
 
+def check_by_offset(**inputs: Any) -> None:
+    """Raise ArgumentError for an input that is no mapping from offsets to pictures; None is no input."""
+    for name, frames in inputs.items():
+        if frames is not None and not isinstance(frames, Mapping):
+            found = type(frames).__name__
+            message = f"{name}: expected pictures by their offset, {{-1: .., 0: .., 1: ..}}, found {found}"
+            raise ArgumentError(message, code="wrong-type", parameter=name)
+
+
 def window_offsets(given: Sequence[Mapping[int, Any]], reach: int) -> tuple[int, ...]:
     """Return the offsets, but for 0, of the frames that every one of the ``given`` inputs has: 1, 2 .., then -1, -2 ..
 

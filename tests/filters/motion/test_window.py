@@ -286,6 +286,8 @@ def test_a_surface_that_turns_away_is_lost(shape):
             {"images": {0: np.zeros((33, 45)), 1: np.zeros((33, 44))}, "motions": {0: STILL, 1: STILL}},
             r"images: expected shape \(33, 45\), .*\(33, 44\) on frame \+1",
         ),
+        ({"images": np.zeros((33, 45))}, r"images: expected pictures by their offset, .* found ndarray"),
+        ({"motions": [STILL]}, r"motions: expected pictures by their offset, .* found list"),
         ({"images": {0: np.full((33, 45), np.nan)}}, "images: expected finite pixels"),
         (
             {"motions": {0: np.zeros((33, 45, 2))}},
