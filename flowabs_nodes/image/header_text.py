@@ -1,6 +1,6 @@
 """Make the texts of a header readable that are no UTF-8, such as an object's name in a Cryptomatte's manifest.
 
-OpenImageIO 3.1 hands them out with surrogates, which neither it nor a log takes back: each such text is taken for
+OpenImageIO, from 3.1 on, hands them out with surrogates, which neither it nor a log takes back: each such text is taken for
 Latin-1, as programs for Windows wrote it.
 """
 
@@ -45,6 +45,7 @@ def _with_readable(value: Any) -> Any:
 
 
 def _made_readable(text: str) -> str:
+    """Return a text of OpenImageIO's, the bytes that stand in it as surrogates taken for Latin-1."""
     if text.isascii() or not any("\udc80" <= each <= "\udcff" for each in text):
         return text
     return readable(text.encode("utf-8", "surrogateescape"))
