@@ -1,7 +1,7 @@
 """Make the texts of a header readable that are no UTF-8, such as an object's name in a Cryptomatte's manifest.
 
-OpenImageIO, from 3.1 on, hands them out with surrogates, which neither it nor a log takes back: each such text is taken for
-Latin-1, as programs for Windows wrote it.
+OpenImageIO, from 3.1 on, hands them out with surrogates, which neither it nor a log takes back: each such text is taken
+for Latin-1, as programs for Windows wrote it.
 """
 
 from __future__ import annotations
